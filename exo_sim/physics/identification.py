@@ -128,7 +128,8 @@ class Identification:
         on_top_of: Effect that must be there for it to be asked.
         excluded: True where no diagnosis puts the question; a rig may have the effect all the same.
         open_by: Factors on the ends of a parameter's interval, for what the model itself leaves open ...
-        closed_by: ... unless this parameter was fitted as well.
+        closed_by: ... unless this parameter was fitted as well, ...
+        closed_beside: ... or this effect acts at the same place.
         prevalence: Share of machines that have it, before any data.
         known: What is known of parameters before any data: mean and standard deviation.
         left_open: Questions to the law of an effect that a rig has: each a function of the numbers that the rig gives (those that it leaves
@@ -169,6 +170,7 @@ class Identification:
     excluded: bool = False
     open_by: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     closed_by: str = ""
+    closed_beside: str = ""
     prevalence: float = 0.1
     known: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     left_open: tuple[Callable[[Mapping[str, float]], Mapping[str, tuple[float, ...]]], ...] = ()

@@ -28,9 +28,14 @@ def softens(model: FittedModel) -> bool:
 def friction_behind_soft_transmissions(gas: Sequence[SubsystemResult], motion: Sequence[SubsystemResult]) -> Friction:
     """Return what the balances of forces found to resist each piston whose transmission gives by the gas's own search."""
     soft = {one.where for one in gas if gives(one.plant_of(one.search.final).cylinder[0])}
+    return {where: numbers for where, numbers in friction_of_pistons(motion).items() if where in soft}
+
+
+def friction_of_pistons(motion: Sequence[SubsystemResult]) -> Friction:
+    """Return what the balances of forces found to resist each piston, where they name something and nothing has no name."""
     found = {}
     for one in motion:
-        if one.where in soft and not one.has_unknown and any(c.kind is Kind.MISSING_PHYSICS for c in one.named):
+        if not one.has_unknown and any(c.kind is Kind.MISSING_PHYSICS for c in one.named):
             numbers = [*one.final.fit.values.items(), *one.final.fixed]
             found[one.where] = [(parameter, value) for parameter, value in numbers if parameter.target is Target.CYLINDER]
     return found

@@ -12,6 +12,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.contradiction import contradicted_faults
 from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas
+from exo_sim.diagnosis.pipeline.hidden_give import friction_behind_hidden_give
 from exo_sim.diagnosis.pipeline.motion_stage import JudgedBalances, balances_left_open, examine_motion
 from exo_sim.diagnosis.pipeline.plan import Examination, Plan, Progress, Results
 from exo_sim.diagnosis.pipeline.supply_stage import examine_supply
@@ -49,7 +50,15 @@ def friction_to_add(examination: Examination) -> Friction | None:
     results = examination.results
     found = friction_behind_soft_transmissions(results.gas, results.motion)
     interrupted = any(not one.is_empty and one.search.interrupted for one in results.all)
+    if not found and not interrupted:
+        found = _friction_behind_hidden_give(examination)
     return found if found or interrupted else None
+
+
+def _friction_behind_hidden_give(one: Examination) -> Friction:
+    """Return the friction of pistons beside which the gas asks for a transmission that gives."""
+    joints = {gas.where: one.data.joint_of(gas.where) for gas in one.results.gas}
+    return friction_behind_hidden_give(one.results.gas, one.results.motion, one.plan.split, joints)
 
 
 def validated(examination: Examination) -> Examination:

@@ -2,7 +2,8 @@
 
 The revisions, in this order:
 
-1. Forces were found to resist a piston behind a transmission that gives: the gas is examined once more with them.
+1. Forces were found to resist a piston behind a transmission that gives, or that gives with them alone (`hidden_give`): the gas is
+   examined once more with them.
 2. Forces contradict a sensor's fault that the gas asks for, or validation refutes effects: they are not sought again, and the friction is
    found anew.
 3. The validation error is much larger than what the fit leaves, and larger than a healthy machine's: the time that was fitted lacks

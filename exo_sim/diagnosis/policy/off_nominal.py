@@ -46,6 +46,19 @@ HEAT_FORM = Number(
     "three cylinders without a hose are off by 0.06, 0.08 and 0.14 (X605, X610, a wall of two layers), five beside one by 0.02, 0.05, "
     "0.08, 0.27 and 0.56 (X576, X606, X641, X671, X690): without it four of eight intervals held",
 )  # fmt: skip
+HOSE_AREA_FORM = Number(
+    0.15, "share, one standard deviation",
+    "what the law of flow through a hose leaves open of its area: a tube rubs along its length, and is no nozzle",
+    "four hoses that were found on machines of five draws (X576, X673, X690, X713): off by 0.01, 0.14, 0.19 and 0.24 and known by their "
+    "fits to 0.01 to 0.2; without it one of four intervals held",
+)  # fmt: skip
+LAG_FORM = Number(
+    2.5e-4, "s, one standard deviation",
+    "what a first order leaves open of a valve's delay and time constant: spools are of second order or ramp, and cards filter",
+    "nine times on machines of five draws whose other names were found or nearly (X671 to X714): off by 0.01 to 0.44 ms, root mean square "
+    "0.23 ms, known by their fits to 0.07 to 0.24 ms: without it four of the nine intervals held. Four more are off by 1.3 to 5 ms where a "
+    "hose or other names were missed or a delay stands for a time constant",
+)  # fmt: skip
 MASS_FORM = Number(
     2.2, "standard errors by the fit, one standard deviation",
     "the laws of friction and the delays of cards leave open of a mass or an inertia, beside the fit's own error",

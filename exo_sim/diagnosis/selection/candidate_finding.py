@@ -36,7 +36,7 @@ def finding_of(candidate: Candidate, final: FittedModel, errors: Mapping[FreePar
         value = final.fit.values[parameter]
         low, high = _ends(parameter, value, errors.get(parameter, 0.0), search)
         if is_declared(candidate.effect):
-            low, high = _widened_by_law(candidate, parameter, low, high)
+            low, high = _widened_by_law(candidate, parameter, low, high, final)
         estimates[_called(parameter)] = Estimate(value, parameter.unit, low, high)
     evidence = search.evidence.get(candidate.key)
     rivals = [
@@ -105,10 +105,18 @@ def _ends(parameter: FreeParameter, value: float, error: float, search: SearchRe
     return low, highest if value < nil <= high else max(high, highest)
 
 
-def _widened_by_law(candidate: Candidate, parameter: FreeParameter, low: float, high: float) -> tuple[float, float]:
-    """Return the ends of an interval widened by what the law itself leaves open; a form with more of the law leaves less open."""
+def _widened_by_law(
+    candidate: Candidate, parameter: FreeParameter, low: float, high: float, final: FittedModel
+) -> tuple[float, float]:
+    """Return the ends of an interval widened by what the law itself leaves open.
+
+    A form with more of the law leaves less open, and so does another effect at its place that says the rest of it, found or the rig's.
+    """
     asked = identification_of(candidate.effect)
     if asked.closed_by and asked.closed_by in {q.parameter for q in candidate.parameters}:
+        return low, high
+    beside = (*final.fit.values, *(q for q, _ in final.fixed))
+    if asked.closed_beside and any((q.effect, q.where) == (asked.closed_beside, candidate.where) for q in beside):
         return low, high
     down, up = asked.open_by.get(parameter.parameter, (1.0, 1.0))
     return max(low * down, parameter.low), min(high * up, parameter.high)

@@ -275,9 +275,12 @@ def _is_reported(candidate: Candidate, model: FittedModel, errors: Mapping[FreeP
     """Return whether a candidate is a finding.
 
     Not a law within what healthy machines show, nor what only bears such a law, nor a sensor whose fault is not sure, whatever its odds:
-    it stands in for what is not modelled. `errors` are standard errors.
+    it stands in for what is not modelled. So may a slow leak, which adds up over the recording as the form of heat does and a sensor's
+    gain: its interval must lie beyond what healthy seals lose. `errors` are standard errors.
     """
     if candidate.kind is Kind.SENSOR and not exceeds_healthy_limit(candidate, model, errors):
+        return False
+    if identification_of(candidate.effect).leaks and not exceeds_healthy_limit(candidate, model, errors, HALF_WIDTH):
         return False
     bears = any(c.is_law and c.prerequisite == candidate.effect for c in model.candidates)
     if not candidate.is_law:

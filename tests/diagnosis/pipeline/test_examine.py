@@ -41,5 +41,6 @@ def test_a_search_that_was_interrupted_is_gone_on_with_once_the_forces_are_known
             self.results = Results(gas=(one,))  # type: ignore[arg-type]
 
     monkeypatch.setattr(examine, "friction_behind_soft_transmissions", lambda gas, motion: {})
+    monkeypatch.setattr(examine, "_friction_behind_hidden_give", lambda one: {})
     assert examine.friction_to_add(Found(ended)) == {}  # type: ignore[arg-type]
     assert examine.friction_to_add(Found(whole)) is None  # type: ignore[arg-type]

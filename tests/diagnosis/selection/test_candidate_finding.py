@@ -121,3 +121,18 @@ def test_an_interval_holds_a_law_that_lies_further_than_laws_differ(found: Searc
     far = replace(found, errors={BASE: 0.2 * value}, reach={BASE: (0.1 * value, 0.5 * value)})
     ends = finding_of(waves.BASE, found.final, {BASE: 0.2 * value}, far).parameters["slow"]
     assert ends.high == pytest.approx(value * (1.0 + HALF_WIDTH * 0.5)) and ends.low == pytest.approx(value * (1.0 - HALF_WIDTH * 0.2))
+
+
+@pytest.mark.parametrize(
+    ("beside", "down"),
+    [(None, 0.85), (("stribeck_friction", "piston"), 1.0), (("stribeck_friction", "slide"), 0.85), (("viscous_friction", "piston"), 0.85)],
+    ids=["alone", "a dip there", "a dip elsewhere", "a film"],
+)
+def test_a_level_of_friction_may_hold_a_dip_that_nothing_showed_apart(beside: tuple[str, str] | None, down: float) -> None:
+    """It is known downwards no better than that, unless a dip stands beside it or the rig has one."""
+    force = FreeParameter("coulomb_friction", "piston", "force", "N", Target.CYLINDER, 1.0, 0.0, 1e5)
+    other = [FreeParameter(*beside, "breakaway", "N", Target.CYLINDER, 1.0, 0.0, 1e5)] if beside else []
+    level = Candidate("coulomb_friction", "piston", "force", (force,), ((1.0,),))
+    final = FittedModel.at({force: 20.0, **dict.fromkeys(other, 30.0)}, (level,))
+    estimate = finding_of(level, final, {force: 1.0}, SearchResult(final, final)).parameters["force"]
+    assert (estimate.low, estimate.high) == pytest.approx((down * (20.0 - HALF_WIDTH), 20.0 + HALF_WIDTH))

@@ -205,3 +205,17 @@ def test_a_contact_that_may_be_as_firm_as_any_is_no_finding(softest: float, name
     result = decide("piston", model, fits, SearchResult(bare, fits.refined(fits.fit((contact,), bare))))
     assert [one.name for one in result.findings] == named
     assert result.final.fit.values[stiffness] == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize(("beyond", "named"), [(3.0, True), (1.0, False), (-1.0, False)])
+def test_a_leak_is_named_where_its_interval_lies_beyond_what_healthy_seals_lose(beyond: float, named: bool) -> None:
+    """One standard error beyond that is more than healthy, and not surely: whatever the odds, which a leak of that size has."""
+    model, one = waves.Waves(1e9, slow=4.0), waves.candidate("piston_leakage", "slow")
+    fits = ModelFits(model, ())
+    bare = fits.refined(fits.fit(()))
+    alone = fits.refined(fits.fit((one,), bare))
+    ((parameter, error),) = fits.standard_errors(alone).items()
+    limit = alone.fit.values[parameter] - beyond * error
+    leak, fits = replace(one, parameters=(replace(parameter, healthy_limit=limit),)), ModelFits(model, ())
+    result = decide("piston", model, fits, SearchResult(bare, fits.refined(fits.fit((leak,), bare)), weighed_together=True))
+    assert [finding.name for finding in result.findings] == (["piston_leakage"] if named else [])

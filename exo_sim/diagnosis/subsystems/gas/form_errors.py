@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY
-from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HEAT_FORM, HOSE_FORM, VOLUME_FORM
+from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HEAT_FORM, HOSE_AREA_FORM, HOSE_FORM, LAG_FORM, VOLUME_FORM
 from exo_sim.physics.declaration import declared
 
 
@@ -29,6 +29,10 @@ def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: Pl
     if parameter.effect == FLOW_CAPACITY:
         return float(AREA_FORM)
     is_found = parameter.prior is None and parameter.effect in declared()  # what an owner's own law leaves open counts as the law's
+    if is_found and parameter.effect in hoses and parameter.parameter == "area":
+        return HOSE_AREA_FORM * float(fitted.cylinder[parameter.effect]["area"][0])
+    if is_found and parameter.unit == "s" and parameter.target is Target.CYLINDER:
+        return float(LAG_FORM)
     if is_found and parameter.unit == "W/K" and declared()[parameter.effect].identification.wall_heat:
         size = float(fitted.cylinder[parameter.effect][parameter.parameter][0])
         return size * math.hypot(HEAT_FORM, HOSE_FORM if any(volumes.values()) else 0.0)

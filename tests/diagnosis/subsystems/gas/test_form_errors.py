@@ -10,7 +10,7 @@ import benches
 import pytest
 
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
-from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HEAT_FORM, HOSE_FORM, VOLUME_FORM
+from exo_sim.diagnosis.policy.off_nominal import AREA_FORM, HEAT_FORM, HOSE_AREA_FORM, HOSE_FORM, LAG_FORM, VOLUME_FORM
 from exo_sim.diagnosis.subsystems.gas.form_errors import error_of_form
 from exo_sim.machine.rig_model import load
 from exo_sim.simulation.plugin import PneumaticPlugin
@@ -72,3 +72,17 @@ def test_of_a_chamber_without_dead_volume_nothing_is_left_open(plant: PlantParam
     cylinder["dead_volume_2"] = 0.0
     bare = replace(plant, cylinder=cylinder)
     assert error_of_form(factor("dead_volume", "dead_volume_2"), bare, bare) == 0.0
+
+
+def test_a_hose_that_was_found_is_known_to_a_share_of_its_area(plant: PlantParameters) -> None:
+    area = FreeParameter("line_restriction", "piston", "area", "m^2", Target.CYLINDER, 1e-5, 0.0, 1e-3)
+    assert error_of_form(area, with_hose(plant, 4e-5), plant) == pytest.approx(HOSE_AREA_FORM * 1e-5)
+    assert error_of_form(replace(area, prior=(1e-5, 1e-6)), with_hose(plant, 4e-5), plant) == 0.0  # the owner's
+
+
+def test_how_late_a_valve_is_is_known_no_better_than_its_order_and_how_late_a_sensor_is_as_the_data_say(plant: PlantParameters) -> None:
+    late = FreeParameter("valve_lag", "piston", "time_constant", "s", Target.CYLINDER, 5e-3, 0.0, 0.5)
+    assert error_of_form(late, plant, plant) == LAG_FORM
+    assert error_of_form(replace(late, prior=(0.0, 1e-3)), plant, plant) == 0.0  # of any healthy valve
+    card = FreeParameter("sensor_delay", "slide.position", "seconds", "s", Target.SENSOR, 1e-3, -1.0, 1.0)
+    assert error_of_form(card, plant, plant) == 0.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from exo_sim.gait.residual_reduction import reduced
 from exo_sim.machine.person import Person
 from exo_sim.rig import Rig
 from exo_sim.simulation.summary import summarise
+from exo_sim.simulation.torque_driven_wearer import expect
 from exo_sim.simulation.walk import Request, Walk
 from exo_sim.simulation.wearer_alone import one_cycle
 from exo_sim.simulation.wearer_load import alone, with_machine, with_payload
@@ -163,9 +165,7 @@ def disturbed(exo: Rig, nominal: Simulation) -> list[str]:
         "rehearsed / causal | residual at most, N and N m: rehearsed / causal |",
         "|---|---|---|---|---|",
     ]
-    for name, case in CASES.items():
-        if case.speed != 1.0 or case.variation is not None or case.wearer is not None:
-            continue
+    for name in CASES:
         tried = [_tried(exo, nominal, name, causal) for causal in (False, True)]
         pack = next((one["compared_with"]["backpack"] for one in tried if one is not None), None)
 
@@ -191,8 +191,16 @@ def disturbed(exo: Rig, nominal: Simulation) -> list[str]:
 def _tried(exo: Rig, nominal: Simulation, name: str, causal: bool) -> dict[str, Any] | None:
     """Walk with the nominal stride's demand, or with causal control calibrated on it; return the summary, or None after a fall."""
     case = CASES[name]
-    other = Simulation(exo, Request("level_walk", PAYLOAD + case.payload, cycles=STRIDES, law="inverse_dynamics", wearer="torques"))
-    other.motion, other.torques = nominal.motion, nominal.torques  # what the wearer expects
+    rig = exo if case.wearer is None else dataclasses.replace(exo, wearer=case.wearer)
+    request = Request(
+        "level_walk", PAYLOAD + case.payload, speed=case.speed, cycles=STRIDES, law="inverse_dynamics", variation=case.variation,
+        wearer="torques",
+    )  # fmt: skip
+    other = Simulation(rig, request)
+    if case.wearer is None and case.variation is None and case.speed == 1.0:
+        other.motion, other.torques = nominal.motion, nominal.torques
+    else:  # he knows how he walks himself
+        expect(other, nominal.expected)
     other.straps = other.straps.stiffened(case.stiffness)
     other.reset()
     if causal:
@@ -200,7 +208,8 @@ def _tried(exo: Rig, nominal: Simulation, name: str, causal: bool) -> dict[str, 
         controller = Causal(nominal.calibration, first_phase=-case.late, late=case.wrong, corrects=case.corrects)
         other.controlled_by(controller, seed=1)
     else:
-        other.demand = other.demand_added = late(nominal.demand, case.late + case.wrong)
+        table = late(nominal.demand, case.late + case.wrong)
+        other.demand = other.demand_added = table if other.motion.trial is None else other.motion.trial.played(table)
     try:
         return summarise(other.run())
     except Diverged:

@@ -102,7 +102,9 @@ def test_what_he_expects_of_straps_changes_what_he_plans() -> None:
     """Where it is what he expected already nothing changes; a load on the trunk is carried by the leg that stands."""
     it = Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 34.0, cycles=2, rehearsals=0, wearer="torques"))
     planned, at_rest = it.torques, it.motion.position
+    assert planned is not None
     expect(it, it.expected)
+    assert it.torques is not None
     np.testing.assert_allclose(it.torques, planned)
     more = it.expected.copy()
     more[:, 0, 1] -= 100.0
@@ -116,7 +118,9 @@ def test_a_step_that_takes_longer_does_not_make_him_stumble() -> None:
     """His foot was put back to where the reference has it, also where he fell behind it: 38 N held him then."""
     uneven = Variation(asymmetry=0.05)
     request = Request("level_walk", 34.0, cycles=8, rehearsals=3, wearer="torques", variation=uneven)
-    residual = Simulation(rigs.read(rig_at_250_psi()), request).run().moved.ground.residual
+    moved = Simulation(rigs.read(rig_at_250_psi()), request).run().moved
+    assert moved is not None
+    residual = moved.ground.residual
     assert np.hypot(residual[:, 0], residual[:, 1])[2500:].max() < 25.0
 
 

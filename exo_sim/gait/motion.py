@@ -122,6 +122,23 @@ class WholeTrial:
         out = np.stack([np.interp(phase, grid, column) for phase, column in zip(right.T, table.T)], axis=1)
         return np.ascontiguousarray(np.concatenate([out, out[:1]]))
 
+    def of_segments(self, table: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return what belongs to the person's segments over the mean stride's phase at the phases of the trial, as `played`.
+
+        Args:
+            table: Shape (SAMPLES, 7, m): torso, left leg, right leg.
+
+        Returns:
+            Shape (n, 7, m).
+        """
+        left, right = (self.foot_phase[:, 0] + 0.5) % 1.0, self.foot_phase[:, 1] % 1.0
+        grid = np.arange(len(table)) / len(table)
+        out = np.empty((len(left), *table.shape[1:]))
+        for segment, phase in enumerate([right, *[left] * 3, *[right] * 3]):
+            for k in range(table.shape[2]):
+                out[:, segment, k] = np.interp(phase, grid, table[:, segment, k], period=1.0)
+        return out
+
 
 def travelling(motion: Motion, position: NDArray[np.float64]) -> Motion:
     """Return a motion with other coordinates, shape (n, 9), over the same ground."""

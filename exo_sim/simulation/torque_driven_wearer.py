@@ -36,7 +36,7 @@ def embody(it: Simulation, looked_at: float) -> None:
         raise ScenarioError(f'{name}: the wearer sits, and there is no chair for one with wearer "torques"')
     if not it.motion.ground.level:
         raise ScenarioError(f'{name}: a wearer with wearer "torques" stands on level ground only; leave it out for a prescribed one')
-    expected, motion = _felt(it, looked_at), it.motion
+    it.expected, it.intended = _felt(it, looked_at), it.motion
     step = it.model.opt.timestep
     it.model = build(it.rig.model, it.person, it.request.payload, it.rig.ankle, it.masses, it.rig.joint_factors, embodied=True)
     attach(it.model, it.rig)
@@ -44,7 +44,23 @@ def embody(it: Simulation, looked_at: float) -> None:
     it.data = mujoco.MjData(it.model)
     it.straps = fasten(it.model, it.person, one_sided=True)
     it.plugin = PneumaticPlugin(it.model, it.rig)
-    plan = wearer_plan.plan(motion, it.person, expected)
+    _plan(it)
+
+
+def expect(it: Simulation, strides: NDArray[np.float64]) -> None:
+    """Let a wearer who is a body expect of his straps what another walk's did.
+
+    Args:
+        it: Changed: the torques that he plans for the motion that he means to do, and how deep that has his soles.
+        strides: Loads on the segments over the mean stride, about their upper joints, shape (SAMPLES, 7, 3).
+    """
+    trial = it.intended.trial
+    it.expected = strides if trial is None else trial.of_segments(strides)
+    _plan(it)
+
+
+def _plan(it: Simulation) -> None:
+    plan = wearer_plan.plan(it.intended, it.person, it.expected)
     it.motion, it.torques = plan.motion, plan.torque
 
 

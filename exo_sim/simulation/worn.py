@@ -58,6 +58,8 @@ class Simulation:
     Attributes:
         calibration: What a causal controller begins with, where one was asked for.
         torques: Planned for a wearer who moves by them, shape (n, 8); None for one whose motion is prescribed.
+        intended: What a wearer means to do, n samples; one who is a body does `motion`, which has his soles in the ground.
+        expected: What he expects the straps to do to his segments, about their upper joints, shape (n, 7, 3).
         remarks: Plain sentences, such as that the cylinders cannot carry the payload.
         unreliable: Why the wearer's moments are not to be relied on, the first of the remarks; None where they are.
 
@@ -112,6 +114,7 @@ class Simulation:
         if whole.trial is not None:
             self.plan, self.plan_added = (pressure_plans.played(plan, whole.trial, self.plugin) for plan in (self.plan, self.plan_added))
             self.demand, self.demand_added = whole.trial.played(self.demand), whole.trial.played(self.demand_added)
+        self.intended, self.expected = whole, np.zeros((len(whole.position), 7, 3))
         if request.moved_by == "torques":
             embody(self, LOOKED_AT)
         self.remarks = (*filter(None, [self.unreliable]), *scenario.remarks, *self.remarks)

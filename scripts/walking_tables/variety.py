@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
-
 from exo_sim.errors import Diverged
 from exo_sim.rig import Rig
 from exo_sim.simulation.summary import summarise
@@ -47,12 +45,7 @@ person would feel. From rest to rest with 34 kg the machine cost 2 W more than t
 the feet as planned; they go by linearised steps now, in which a foot that bounces is no landing, and count what no sole can give four times
 as much as in walking.
 
-Where a load is uneven the trunk may sway unevenly, too. A wearer who is moved by torques starts and stops eight times, one after the other,
-with a demand that is smoother still (a faster one made him fall in his fifth walk). With `exo` he falls but for 34 kg, which cost more than
-the backpack and leave a residual beyond the guideline of 25 N. With the lighter `exo_250_psi` he gains 5 and 7 W within it, and falls with
-45 kg: with the larger dampers that his joints had before he carried those (375 W, backpack 390 W), held by 29 N. Bold: more than the
-backpack.
-
+Where a load is uneven the trunk may sway unevenly, too.
 """
 
 
@@ -79,41 +72,18 @@ def table(exo: Rig) -> list[str]:
         errors = " / ".join(f"{numbers['joints'][f'{joint}_r']['torque_error_rms_nm']:.1f}" for joint in ("hip", "knee"))
         lines.append(
             f"| {name}, {payload:g} kg | {simulation.motion.advance / simulation.motion.period:.2f} "
-            f"| {alone['metabolic_w']:.0f} / {pack['metabolic_w']:.0f} / {_bold(power, pack['metabolic_w'])} "
-            f"| {carried:.0f} / {_bold(given, carried)} | {moments} | {wearer['forward_push_n']:.0f} | {errors} "
+            f"| {alone['metabolic_w']:.0f} / {pack['metabolic_w']:.0f} / {bold(power, pack['metabolic_w'])} "
+            f"| {carried:.0f} / {bold(given, carried)} | {moments} | {wearer['forward_push_n']:.0f} | {errors} "
             f"| {alone['pelvis_residual']['moment_peak_nm']:.0f} / {wearer['pelvis_residual']['moment_peak_nm']:.0f} |"
         )
         print(lines[-1], flush=True)
     return lines
 
 
-def _bold(value: float, limit: float) -> str:
+def bold(value: float, limit: float) -> str:
     return f"**{value:.0f}**" if value > limit else f"{value:.0f}"
 
 
-def section(exo: Rig, drawn: Rig) -> str:
+def section(exo: Rig) -> str:
     """Return the section."""
-    return TEXT + "\n".join(table(exo)) + "\n" + AFTER + "\n".join(again(exo, drawn)) + "\n"
-
-
-def again(*machines: Rig) -> list[str]:
-    """Return the table of a wearer moved by torques who starts and stops again and again."""
-    lines = [
-        "| | metabolic W, estimated: backpack / machine | push ahead N | residual at most, N and N m: backpack / machine |",
-        "|---|---|---|---|",
-    ]
-    for exo, payload in itertools.product(machines, (20.0, 34.0, 45.0)):
-        name = f"{exo.name}, {payload:g} kg"
-        try:
-            numbers = summarise(Simulation(exo, Request("start_and_stop", payload, cycles=8, wearer="torques")).run())
-        except Diverged:
-            lines.append(f"| {name} | falls | - | - |")
-            print(lines[-1], flush=True)
-            continue
-        wearer, pack = numbers["wearer"], numbers["compared_with"]["backpack"]
-        held = [one["pelvis_residual"] for one in (pack, wearer)]
-        residual = [f"{one['force_peak_n']:.0f}, {one['moment_peak_nm']:.0f}" for one in held]
-        power = _bold(wearer["metabolic_w"]["value"], pack["metabolic_w"])
-        lines.append(f"| {name} | {pack['metabolic_w']:.0f} / {power} | {wearer['forward_push_n']:.0f} | {' / '.join(residual)} |")
-        print(lines[-1], flush=True)
-    return lines
+    return TEXT + "\n".join(table(exo)) + "\n" + AFTER

@@ -50,7 +50,7 @@ def test_a_leg_pushes_ahead_no_harder_than_its_sole_can_hold(pose):
     q = np.array([0.0, 0.85, -0.1, 0.2, -0.3, 0.1, 0.2, -0.3, 0.1])
     poses = poses_along(q[None], np.zeros((1, 9)), PERSON)[0]
     wanted = q.copy()
-    wanted[0] += 0.1
+    wanted[0] += 0.2
     position, slope, share = np.tile(wanted, (5, 1)), np.zeros((5, 9)), np.tile([0.5, 0.5], (5, 1))
     given = []
     for room in (None, np.tile([20.0, 6.0, 20.0, 9.0], (4, 1))):
@@ -63,24 +63,37 @@ def test_a_leg_pushes_ahead_no_harder_than_its_sole_can_hold(pose):
     assert np.abs(given[1][3:5]).max() < np.abs(given[0][3:5]).max()
 
 
-def test_the_swinging_foot_goes_by_the_ground_more_than_by_the_pelvis():
-    """Of a pelvis that is ahead of its path and goes on, the foot in the air is put behind, as high and as level as it was."""
-    it = wearer_torques.mover(PERSON, torque=np.zeros((4, 8)), dofs=DOFS)
+def _foot_in_the_air(it, off, fast):
+    """Return the poses that are wanted, left foot in the air, of a pelvis on its path and of one off it [m], faster [m/s]: (7, 6) each."""
     wanted = np.array([0.0, 0.85, -0.1, 0.5, -0.6, 0.1, 0.2, -0.4, 0.2])
     position, slope, share = np.tile(wanted, (5, 1)), np.zeros((5, 9)), np.tile([0.0, 1.0], (5, 1))
     q, v = wanted.copy(), np.zeros(9)
-    q[0], v[0] = 0.03, 0.1
+    q[0], v[0] = off, fast
     poses = poses_along(q[None], v[None], PERSON)[0]
     wearer_torques.ask(0.3, 1.0, 0.0, 0.0, position, slope, share, q, v, poses, PERSON.lengths(), it)
     before, after = (poses_along(one[None], np.zeros((1, 9)), PERSON)[0] for one in (wanted, it.wanted))
-    way = -it.placement[0] * 0.03 - it.placement[1] * 0.1
-    assert -0.03 < way < 0.0
-    np.testing.assert_allclose(after[3, :3] - before[3, :3], [way, 0.0, 0.0], atol=-0.2 * way)
+    return before, after
+
+
+def test_the_swinging_foot_is_put_farther_ahead_of_a_pelvis_that_is_faster():
+    """As high and as level as it was; a little of the way back to where the reference has it on the ground."""
+    it = wearer_torques.mover(PERSON, torque=np.zeros((4, 8)), dofs=DOFS)
+    before, after = _foot_in_the_air(it, 0.03, 0.2)
+    way = wearer_torques.FASTER * (0.2 - wearer_torques.ALLOWED) - wearer_torques.BACK * 0.03
+    assert way > 0.04
+    np.testing.assert_allclose(after[3, :3] - before[3, :3], [way, 0.0, 0.0], atol=0.2 * way)
     np.testing.assert_allclose(after[4:7], before[4:7], atol=1e-12)  # the leg that stands has the reference's angles
-    q[0] = 2.0
-    wearer_torques.ask(0.3, 1.0, 0.0, 0.0, position, slope, share, q, v, poses, PERSON.lengths(), it)
-    far = before[3, 0] - poses_along(it.wanted[None], np.zeros((1, 9)), PERSON)[0, 3, 0]
-    assert 0.5 * it.placement[2] < far < 1.5 * it.placement[2]  # no farther than a step can be changed
+    slower = _foot_in_the_air(it, 0.0, -0.2)
+    assert slower[1][3, 0] < slower[0][3, 0] - 0.04
+
+
+def test_a_step_changes_no_farther_than_it_can_and_not_for_little():
+    it = wearer_torques.mover(PERSON, torque=np.zeros((4, 8)), dofs=DOFS)
+    before, after = _foot_in_the_air(it, 2.0, 0.0)
+    far = before[3, 0] - after[3, 0]
+    assert 0.5 * wearer_torques.MOST_MOVED < far < 1.5 * wearer_torques.MOST_MOVED
+    before, after = _foot_in_the_air(it, 0.0, 0.9 * wearer_torques.ALLOWED)
+    np.testing.assert_allclose(after, before, atol=1e-12)
 
 
 def _with_foot_fixed(q, move):

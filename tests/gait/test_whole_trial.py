@@ -102,6 +102,17 @@ def test_torques_planned_on_the_mean_stride_are_played_at_each_strides_phase(une
         assert np.abs(played[:-1, columns] - wanted[:, None]).max() < 1e-3
 
 
+def test_what_belongs_to_segments_goes_by_their_own_foot(uneven):
+    motion, _ = uneven
+    grid = np.arange(SAMPLES) / SAMPLES
+    table = np.stack([np.cos(2 * np.pi * (grid + (0.5 if 0 < j < 4 else 0.0))) for j in range(7)], axis=1)
+    found = motion.trial.of_segments(table[:, :, None])
+    assert found.shape == (len(motion.position), 7, 1)
+    for side, rows in ((0, [1, 2, 3]), (1, [0, 4, 5, 6])):
+        wanted = np.cos(2 * np.pi * motion.trial.foot_phase[:, side])
+        assert np.abs(found[:, rows, 0] - wanted[:, None]).max() < 1e-3
+
+
 def test_a_gap_ends_the_run_of_strides(tmp_path):
     path, _ = write(tmp_path / "gap.csv", uneven=0.0, drop=(5.0, 5.5))
     part, _ = own_gait.whole_of(GaitFile(path, whole=True))

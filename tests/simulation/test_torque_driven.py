@@ -6,8 +6,10 @@ import pytest
 import exo_sim as exo
 from exo_sim import rig as rigs
 from exo_sim.errors import ScenarioError
+from exo_sim.gait.variation import Variation
 from exo_sim.simulation import record
 from exo_sim.simulation.summary import summarise
+from exo_sim.simulation.torque_driven_wearer import expect
 from exo_sim.simulation.walk import Request, rig_at_250_psi
 from exo_sim.simulation.worn import Simulation
 
@@ -94,6 +96,32 @@ def test_he_hardly_pulls_the_machine(walk, summary):
     assert abs(summary["wearer"]["forward_push_n"]) < 23.0
     ahead = walk.moved.ground.residual[:, 0]
     assert abs(ahead.mean()) < 10.0
+
+
+def test_what_he_expects_of_straps_changes_what_he_plans() -> None:
+    """Where it is what he expected already nothing changes; a load on the trunk is carried by the leg that stands."""
+    it = Simulation(rigs.read(rig_at_250_psi()), Request("level_walk", 34.0, cycles=2, rehearsals=0, wearer="torques"))
+    planned, at_rest = it.torques, it.motion.position
+    assert planned is not None
+    expect(it, it.expected)
+    assert it.torques is not None
+    np.testing.assert_allclose(it.torques, planned)
+    more = it.expected.copy()
+    more[:, 0, 1] -= 100.0
+    expect(it, more)
+    changed = np.abs(it.torques - planned)[:, :6].max(axis=1)
+    assert changed.min() > 0.5 and changed.max() < 60.0
+    assert it.motion.position[:, 1].mean() < at_rest[:, 1].mean()  # soles are pressed deeper
+
+
+def test_a_step_that_takes_longer_does_not_make_him_stumble() -> None:
+    """His foot was put back to where the reference has it, also where he fell behind it: 38 N held him then."""
+    uneven = Variation(asymmetry=0.05)
+    request = Request("level_walk", 34.0, cycles=8, rehearsals=3, wearer="torques", variation=uneven)
+    moved = Simulation(rigs.read(rig_at_250_psi()), request).run().moved
+    assert moved is not None
+    residual = moved.ground.residual
+    assert np.hypot(residual[:, 0], residual[:, 1])[2500:].max() < 25.0
 
 
 @pytest.mark.slow

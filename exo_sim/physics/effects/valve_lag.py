@@ -26,8 +26,9 @@ def _closing_of_another_length(known: Mapping[str, float]) -> dict[str, tuple[fl
 def _of_second_order(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
     """Return the question whether a known lag is of second order: one of first order and a dead time say it badly, but late by as much."""
     late = known.get("time_constant", 0.0) + known.get("delay", 0.0)
-    begun = {"time_constant": (late, 0.6 * late), "delay": (0.0, 0.4 * late), "inertia": (0.4, 0.4)}
-    return {} if "inertia" in known else begun
+    if "inertia" in known:
+        return {}
+    return {"time_constant": (late, 0.6 * late), "delay": (0.0, 0.4 * late), "inertia": (0.4, 0.4)}
 
 
 EFFECT = Effect(

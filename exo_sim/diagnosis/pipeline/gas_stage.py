@@ -160,7 +160,8 @@ def examine_gas(
         key = (name, plan.test_time, tuple(one.key for one in asked), friction)
         if key not in done:
             standing = searched.standing(name, plan.test_time, friction, asked)
-            earlier = searched.of_other_time(name, plan.test_time, asked) or searched.of_other_friction(name, plan.test_time, friction, asked)
+            earlier = searched.of_other_time(name, plan.test_time, asked)
+            earlier = earlier or searched.of_other_friction(name, plan.test_time, friction, asked)
             begun = WarmStart(None, standing or earlier, standing is not None)
             soft = softens if plan.friction is None and joint in data.joints else None
             seek = partial(_searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name))

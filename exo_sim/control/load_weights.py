@@ -65,7 +65,7 @@ class Weights:
 #: wearer hardly feels it (docs/sizing.md).
 SPARING = Weights(smoothness=0.15)
 #: For one who is a body. Of 0.05, 0.1, 0.15, 0.2 and 0.3 for `smoothness` he spent 471, 456, 436, 444 and 465 W, his pelvis held by 21,
-#: 8, 22, 17 and 18 N at most (`exo`, 34 kg).
+#: 8, 22, 17 and 18 N at most (`exo`, 34 kg; with the steps that he took on commit d0ff05c1).
 SMOOTH = Weights(smoothness=0.1)
 #: Where causal control is for one who is a body, or for what does not come again as strides do.
 THOUGHT = Weights(smoothness=0.15, own=0.7, moving=0.5, torso=0.5)

@@ -33,12 +33,14 @@ Array = NDArray[np.float64]
 #: Rastgaar 2018, Journal of Medical Devices 12:011010). With dampers of 50, 30 and 15 a foot was driven on when its ball met the ground and
 #: a knee did not give: the first peak of the force was 1.25 of the weight (1.14 with these and other soles, recorded 1.10).
 #: Of some 70 sets most leave no such peak; this one alone of eight starts and stops with `exo` and `exo_250_psi` and costs less than the
-#: backpack with causal control on straps half as stiff and with a phase that is early. Softer hips fall where they start and stop.
+#: backpack with causal control on straps half as stiff and with a phase that is early (with the steps of that day: see `FASTER`). Softer
+#: hips fall where they start and stop.
 STIFFNESS, DAMPING = (600.0, 400.0, 300.0), (35.0, 15.0, 8.0)
 #: Of the pelvis ahead and up [N/m], [N s/m] and of the trunk [N m/rad], through the legs that stand: critically damped for the whole body.
 #: Of 2000, 1500 and 1000 N/m ahead with 775 N s/m, and 1000 with 550, a longer right step left 30, 28, 27 and 20 N of residual (causal
-#: control, the foot put ahead by `FASTER` alone).
-PELVIS_STIFFNESS, PELVIS_DAMPING = (1000.0, 15000.0, 1500.0), (548.0, 2100.0, 270.0)
+#: control, the foot put ahead by `FASTER` alone). With 1500, 2000 and 2500 N m/rad he fell under 2, none and 1 of three payloads in eight
+#: walks from rest to rest (`exo`); with 2000 and 220 or 300 N m s/rad he fell in the seventh with 20 kg.
+PELVIS_STIFFNESS, PELVIS_DAMPING = (1000.0, 15000.0, 2000.0), (548.0, 2100.0, 270.0)
 #: The residual: weak springs and dampers between pelvis and reference.
 HELD_STIFFNESS, HELD_DAMPING = (500.0, 500.0, 600.0), (50.0, 50.0, 60.0)
 _MASS = 75.0

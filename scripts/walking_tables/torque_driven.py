@@ -73,19 +73,21 @@ and the trunk that belongs to it, by a wearer who knows it. Bold: more than the 
 
 """
 LIMITS = """
-With causal control he costs less than the backpack and does less work in every row, the push ahead is below 20 N (19.5 N on straps twice
-as stiff), and 21 N and 14 N m hold him at most. What was missing was a step: he put his foot back to where the reference has it on the
+With causal control he costs less than the backpack and does less work in every row, the push ahead is below 20 N (19 N on straps twice
+as stiff), and 22 N and 11 N m hold him at most. What was missing was a step: he put his foot back to where the reference has it on the
 ground, so that one who had fallen behind braked himself and fell behind farther, and was held by the weak spring
-(`exo_sim/control/wearer_torques.py`). So walked he took 1.22 of the backpack's work with the longer right step, held by 81 N, and 1.03 on
-straps half as stiff, and with the phase early and not corrected 1.01; with seven of nine other settings of the controller he fell in one
+(`exo_sim/control/wearer_torques.py`). So walked he took 1.22 of the backpack's work with the longer right step, held by 81 N, 1.03 on
+straps half as stiff, and 1.01 with the phase early and not corrected; with seven of nine other settings of the controller he fell in one
 to three of eight rows. Demand and controller are the same: nothing of them was chosen by his walks; his gains were, with eight of these
-rows in sight. To learn from stride to stride what the straps do to him makes it no better: he then gives what the machine does not. Of
-that load a fifth and two fifths a stride cost 478 and 505 W for 455 W with hips less flexed, and 500 and 517 W for 473 W with straps
-twice as stiff (before).
+rows in sight.
+
+To learn from stride to stride what the straps do to him made it no better (with the steps of before): he then gives what the machine does
+not. Of that load a fifth and two fifths a stride cost 478 and 505 W for 455 W with hips less flexed, and 500 and 517 W for 473 W with
+straps twice as stiff.
 
 What this leaves out: all is in the sagittal plane; the wearer knows the time of his stride and keeps to it, so that a stumble is answered
 by a longer step and not by a quicker one; muscles have no delay and no largest force. `rehearsed` costs more than the backpack on straps
-half as stiff, where 99 N hold him, and takes more work where it comes early, with a quicker cadence, hips more flexed and the taller
+half as stiff, where 97 N hold him, and takes more work where it comes early, with a quicker cadence, hips more flexed and the taller
 wearer. A run ends where he falls. He does so with the valves open, since legs that drag the machine need another gait, and in a squat;
 sitting has no chair for him and is refused. The prescribed wearer stays the default.
 """

@@ -58,6 +58,14 @@ def counted_in(effect: str) -> str:
     return f"That is about what the {name_of(effect)} beside it holds: it was counted in."
 
 
+def warm_hose() -> str:
+    """Return what may make a dead volume look larger that holds a hose which nobody described."""
+    return (
+        "Gas in a hose that stays as warm as the room answers like up to 1.4 times its volume: hoses that are counted among the dead "
+        "volumes make them look larger by that."
+    )
+
+
 def twins(effects: Sequence[str]) -> str:
     """Return that effects would look the same as a number that is off."""
     return f"In these recordings {' or '.join(map(name_of, effects))} of the force that was measured would look the same."

@@ -34,14 +34,14 @@ def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> l
     values = result.final.fit.values
     for parameter, error in result.refitted:
         held = parameter.effect in REFITTED or (is_declared(parameter.effect) and _is_the_rigs(data.rig, parameter))
-        if parameter.prior is None or not held:
+        if not held or (parameter.prior is None and not is_declared(parameter.effect)):
             continue
-        whole, value = parameter.prior[0], values[parameter]
+        whole, value = parameter.prior[0] if parameter.prior else 0.0, values[parameter]
         if whole:
             one = _correction(data, Deviation(parameter, value / whole, error / abs(whole)))
             if one is not None:
                 found.append(replace(one, note=_note(parameter, value)))
-        elif value:  # the rig has the effect and leaves the number out: the dead time of its valve's lag
+        elif value:  # the rig has the effect and leaves the number out: the dead time of its valve's lag, or how that goes on
             key = ("effects", parameter.effect, parameter.where, parameter.parameter)
             ends = bounded_interval(parameter, value, error)
             found.append(Correction(key, value, parameter.unit, ends, note=_note(parameter, value)))

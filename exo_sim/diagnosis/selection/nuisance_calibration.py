@@ -167,6 +167,8 @@ def _calibration(name: str, where: str, parts: Sequence[Deviation]) -> Finding:
         says += " " + wording.beyond_data_sheet(name, rivals)
     elif all(one.counted_in for one in parts):
         says += " " + wording.counted_in(parts[0].counted_in)
+    elif name == DEAD_VOLUME and any(one.factor > 1.0 and not one.counted_in for one in parts):
+        says += " " + wording.warm_hose()
     twins = tuple(dict.fromkeys(twin for one in parts for twin in one.twins))
     if twins:
         says += f" {wording.twins(twins)}"

@@ -219,6 +219,10 @@ def test_a_number_that_the_rig_leaves_out_of_an_effect_that_it_has_is_written_be
     nothing = replace(result({lag: 1.25e-3, delay: 0.0}), refitted=((lag, 1e-4), (delay, 1e-4)))
     effect = read_back(rig_update(slow, [nothing], ()), slow).effect("valve_lag", "piston")
     assert effect is not None and effect.parameters == pytest.approx({"time_constant": 1.25e-3})
+    excess = FreeParameter("valve_lag", "piston", "closing_excess", "1", Target.CYLINDER, 0.5, -0.9, 9.0)  # a law has no prior
+    uneven = replace(result({lag: 2.5e-3, excess: 0.6}), refitted=((lag, 1e-4), (excess, 0.05)))
+    effect = read_back(rig_update(slow, [uneven], ()), slow).effect("valve_lag", "piston")
+    assert effect is not None and effect.parameters["closing_excess"] == pytest.approx(0.6)
 
 
 def test_a_rig_with_numbers_that_are_no_finding_says_once_what_to_do_with_them(data: MachineData) -> None:

@@ -136,3 +136,11 @@ def test_a_level_of_friction_may_hold_a_dip_that_nothing_showed_apart(beside: tu
     final = FittedModel.at({force: 20.0, **dict.fromkeys(other, 30.0)}, (level,))
     estimate = finding_of(level, final, {force: 1.0}, SearchResult(final, final)).parameters["force"]
     assert (estimate.low, estimate.high) == pytest.approx((down * (20.0 - HALF_WIDTH), 20.0 + HALF_WIDTH))
+
+
+def test_a_silencer_that_is_no_nozzle_may_be_wider_than_the_nozzle_that_does_as_much() -> None:
+    area = FreeParameter("exhaust_back_pressure", "exhaust", "area", "m^2", Target.WORLD, 1e-6, 1e-8, 1e-3)
+    silencer = Candidate("exhaust_back_pressure", "exhaust", "area", (area,), ((1e-5,),))
+    final = FittedModel.at({area: 1e-5}, (silencer,))
+    estimate = finding_of(silencer, final, {area: 1e-7}, SearchResult(final, final)).parameters["area"]
+    assert (estimate.low, estimate.high) == pytest.approx((1e-5 - HALF_WIDTH * 1e-7, 1.2 * (1e-5 + HALF_WIDTH * 1e-7)))

@@ -74,6 +74,13 @@ def test_a_number_beyond_its_data_sheet_says_what_it_may_stand_for(effect: str, 
     assert ("No data sheet leaves so much open" in found.says) is beyond
 
 
+@pytest.mark.parametrize(("factor", "says"), [(1.2, True), (0.8, False), (1.8, False)])
+def test_a_larger_dead_volume_may_be_a_hose_as_warm_as_the_room(factor: float, says: bool) -> None:
+    """Its gas is k times as soft as gas that keeps its heat; what no data sheet leaves open is asked elsewhere."""
+    (found,) = calibration_findings([Deviation(volume(1), factor, 0.01)])
+    assert ("as warm as the room" in found.says) is says
+
+
 @given(one=FACTORS, other=FACTORS, error=ERRORS)
 def test_the_surer_of_the_two_counts_more(one: float, other: float, error: float) -> None:
     (found,) = calibration_findings([Deviation(volume(1), one, error), Deviation(volume(2), other, 3.0 * error)])

@@ -78,7 +78,11 @@ def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Ca
             one = _of_form(effect, cylinder, tuple(values), plant)[0]
             starts = tuple(zip(*values.values(), strict=True))
             found.append(replace(one, form="+".join(values), is_law=True, starts=starts, fixed=()))  # the rest is the rig's
-    return found
+    asked = {name for question in declares.left_open for name in question(has)}
+    return [  # how much there is of what he has is no finding, in whichever form
+        replace(one, parameters=tuple(replace(q, healthy_limit=0.0) if q.parameter in asked else q for q in one.parameters))
+        for one in found
+    ]
 
 
 def _of_further_form(

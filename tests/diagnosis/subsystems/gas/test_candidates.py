@@ -153,6 +153,7 @@ def test_of_what_an_owner_knows_the_law_is_asked_where_he_left_it_open(
     run = cylinder_runs.run_of(level, level, command=np.linspace(-0.2, 0.2, 50), commanded=True)
     found = [c for c in candidates(plant, [run], "piston", "slide") if c.effect == effect]
     assert all(c.is_law and not c.fixed for c in found)
+    assert all(q.healthy_limit == 0.0 for c in found for q in c.parameters)  # how much he has of it is no finding
     assert {c.form: pytest.approx([start[0] for start in c.starts]) for c in found} == asked
 
 

@@ -29,6 +29,17 @@ def _cost(one: Fit) -> float:
     return one.sse + one.prior_weight * one.penalty
 
 
+def _as_ended(candidate: Candidate, ended: Mapping[tuple[str, str], float]) -> tuple[float, ...]:
+    """Return where a candidate begins whose numbers a similar model had among those that are refitted in every model: where they ended.
+
+    Args:
+        candidate: Of which the other numbers begin at its first start.
+        ended: By slot.
+    """
+    usual = zip(candidate.parameters, candidate.starts[0], strict=True)
+    return tuple(min(max(ended.get(q.slot, value), q.low), q.high) for q, value in usual)
+
+
 class ModelFits:
     """Fits of sets of candidates to one subsystem.
 
@@ -171,10 +182,13 @@ class ModelFits:
         new = [q for q in parameters if q not in start]
         if near and new and (self.cheap or any(q.nonsmooth for q in new)):  # what is missing may have biased the nuisance parameters
             options.append({**begun, **{q: q.prior[0] for q in self.nuisances if q.prior}})
+        ended = {q.slot: value for q, value in start.items()}
         for candidate in candidates:
             if any(q not in start for q in candidate.parameters):
                 promised = self.promised.get(candidate.key)
                 own = candidate.starts if promised is None else (*candidate.starts, promised)
+                if any(q.slot in ended for q in candidate.parameters):  # what the model has of the same numbers already
+                    own = (*own, _as_ended(candidate, ended))
                 options = [{**o, **dict(zip(candidate.parameters, values, strict=True))} for o in options for values in own]
                 options += [candidate.beside(option) for option in options if candidate.displaced]
         return parameters, options

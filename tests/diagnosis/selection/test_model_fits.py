@@ -102,6 +102,31 @@ def test_a_number_that_a_candidate_held_is_not_forgotten_where_the_candidate_is_
     assert fits._starts((BASE,), found)[1][0][healthy] == found.fit.values[healthy]
 
 
+def test_a_candidate_whose_number_was_refitted_already_begins_where_that_ended() -> None:
+    """At its own start it would leave far more than there was, and where one does not feel it, never come back."""
+    (size,) = BASE.parameters
+    healthy = replace(parameter("healthy", "slow", (0.0, 1.0)), parameter=size.parameter, high=2.0)
+    fits = ModelFits(Waves(slow=3.0), (healthy,))
+    bare = fits.fit(())
+    begun = [option[size] for option in fits._starts((BASE,), bare)[1]]
+    assert begun == [1.0, pytest.approx(bare.fit.values[healthy])] and begun[1] > 1.9
+    assert len(fits._starts((OTHER,), bare)[1]) == 1
+
+
+def test_a_new_effect_begins_with_less_where_its_usual_size_leads_astray() -> None:
+    model = Waves(slow=3.0, quick=2.0)
+    fits = ModelFits(model, ())
+    now = fits.refined(fits.fit((BASE,), fits.fit(())))
+    large = replace(candidate("other", "quick"), starts=((9.9,),))
+    (size,) = large.parameters
+    begin = {**now.fit.values, size: 9.9}
+    residual = fits._residual_of((BASE, large))
+    assert np.sum(residual(begin) ** 2) > 10.0 * now.fit.sse
+    less = fits._not_astray(residual, begin, (BASE, large), now)
+    assert less[size] == pytest.approx(9.9 / 4.0) and np.sum(residual(less) ** 2) < 10.0 * now.fit.sse
+    assert fits._not_astray(residual, begin, (BASE, replace(large, proportional=False)), now) == begin
+
+
 class _Shy(Waves):
     """Waves of which a size below 1 counts as 1: nothing says there that it should be larger."""
 

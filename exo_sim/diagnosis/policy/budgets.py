@@ -18,12 +18,12 @@ STRAY = Number(
     10.0, "squared error before any fit, in units of the model's", "effects are left out of a joint proposal until it is below this: "
     "a fit that begins further away does not arrive",
 )  # fmt: skip
-SMALLER = Number(
+REDUCED = Number(
     0.25, "share of the size", "of a new effect where a fit that begins with the whole is that far off, again and again ...",
     "X712 of whole machines, seed 17: with its usual ratio the flow law left 72 times as much, and its fit ended at 43 times; begun at a "
     "quarter or less it ends at 0.66",
 )  # fmt: skip
-MOST_SMALLER = Count(4, "times", "... but no more often: a 256th of a usual size shows nothing", "convention, not measured")
+MOST_REDUCED = Count(4, "times", "... but no more often: a 256th of a usual size shows nothing", "convention, not measured")
 MOST_EXTENSIONS = Count(3, "effects", "are added one by one to those that were proposed together")
 MOST_FITTED = Count(
     80_000, "samples of a gas",

@@ -16,7 +16,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import error_of_sum, standard_errors
 from exo_sim.diagnosis.policy import acceptance
-from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, LAW_STARTS, MOST_SMALLER, MOST_STEPS, SMALLER, STRAY, WORTH_A_LOOK
+from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, LAW_STARTS, MOST_REDUCED, MOST_STEPS, REDUCED, STRAY, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel, SetKey, key_of
 from exo_sim.diagnosis.selection.score_test import Promised, Sizes, in_proportion
@@ -219,7 +219,7 @@ class ModelFits:
         new = [c for c in candidates if held is not None and c.proportional and not c.is_law and not any(q in held for q in c.parameters)]
         if near is None or not new:
             return begin
-        for share in (SMALLER**k for k in range(MOST_SMALLER + 1)):
+        for share in (REDUCED**k for k in range(MOST_REDUCED + 1)):
             start = {**begin, **{q: v for c in new for q, v in in_proportion({q: begin[q] for q in c.parameters}, share).items()}}
             error = residual(start)
             if float(error @ error) <= STRAY * near.fit.sse:  # not so where it is not a number

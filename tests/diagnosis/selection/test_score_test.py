@@ -33,12 +33,14 @@ def test_a_fit_may_begin_where_the_signature_leaves_least() -> None:
 
     model, fits = Saturating(slow=3.0), ModelFits(Saturating(slow=3.0), ())
     usual = replace(waves.BASE, starts=((20.0,),))
+    (size,) = usual.parameters
     now = fits.fit(())
-    without = fits._fitted_from((usual,), now)
-    assert without.fit.sse > now.fit.sse  # from its usual size no fit comes back
+    assert np.sum(model.residual({size: 20.0}) ** 2) > now.fit.sse  # and a little less or more of it changes nothing
+    assert [option[size] for option in fits._starts((usual,), now)[1]] == [20.0]
     scores(model, now, (usual,), signatures=Signatures(model, now, promised=fits.promised))
     (start,) = fits.promised[usual.key]
     assert 0.0 < start < 1.0
+    assert [option[size] for option in fits._starts((usual,), now)[1]] == [20.0, start]
     found = fits.fit((usual,), now)
     assert found.fit.sse == pytest.approx(model.size, rel=0.1)
 

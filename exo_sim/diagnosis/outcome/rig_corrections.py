@@ -32,16 +32,19 @@ def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> l
     made = [_correction(data, one) for one in result.deviations if _is_the_rigs(data.rig, one.parameter)]
     found = [one for one in made if one is not None]
     values = result.final.fit.values
+    asked_anew = {q.key for q in values if q.prior is None}  # what a law of an effect that the rig has says in place of its numbers
     for parameter, error in result.refitted:
         held = parameter.effect in REFITTED or (is_declared(parameter.effect) and _is_the_rigs(data.rig, parameter))
         if not held or (parameter.prior is None and not is_declared(parameter.effect)):
+            continue
+        if parameter.prior is not None and parameter.key in asked_anew:
             continue
         whole, value = parameter.prior[0] if parameter.prior else 0.0, values[parameter]
         if whole:
             one = _correction(data, Deviation(parameter, value / whole, error / abs(whole)))
             if one is not None:
                 found.append(replace(one, note=_note(parameter, value)))
-        elif value:  # the rig has the effect and leaves the number out: the dead time of its valve's lag, or how that goes on
+        elif value or _is_given(data.rig, parameter):  # else the rig leaves it out: the dead time of its valve's lag, or how that goes on
             key = ("effects", parameter.effect, parameter.where, parameter.parameter)
             ends = bounded_interval(parameter, value, error)
             found.append(Correction(key, value, parameter.unit, ends, note=_note(parameter, value)))
@@ -56,6 +59,12 @@ def _note(parameter: FreeParameter, value: float) -> str:
 def _is_the_rigs(rig: Rig, parameter: FreeParameter) -> bool:
     """Return whether the rig file holds the number where it was judged; what a joint shares with its piston it does not."""
     return not is_declared(parameter.effect) or rig.effect(parameter.effect, parameter.where) is not None
+
+
+def _is_given(rig: Rig, parameter: FreeParameter) -> bool:
+    """Return whether the rig file gives a number of an effect."""
+    effect = rig.effect(parameter.effect, parameter.where)
+    return effect is not None and parameter.parameter in effect.parameters
 
 
 def _correction(data: MachineData, off: Deviation) -> Correction | None:

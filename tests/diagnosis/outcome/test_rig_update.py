@@ -225,6 +225,25 @@ def test_a_number_that_the_rig_leaves_out_of_an_effect_that_it_has_is_written_be
     assert effect is not None and effect.parameters["closing_excess"] == pytest.approx(0.6)
 
 
+def test_numbers_that_a_law_asks_anew_take_the_place_of_the_rig_s_though_they_are_nil(tmp_path: Path) -> None:
+    """A spool of second order is late by the whole of what a dead time and a first order were: were the dead time kept, by twice that."""
+    rig = benches.bench(tmp_path, '[effects.valve_lag.piston]\ntime_constant = "4 ms"\ndelay = "5 ms"\n')
+    model = load(rig)
+    slow = MachineData(rig, model, linkages(rig, model), (), (), {}, {})
+    known = {
+        FreeParameter("valve_lag", "piston", name, "s", Target.CYLINDER, 1e-3, 0.0, 0.1, (value, 1e-3)): value
+        for name, value in (("time_constant", 4e-3), ("delay", 5e-3))
+    }
+    anew = {
+        FreeParameter("valve_lag", "piston", name, unit, Target.CYLINDER, 1e-3, 0.0, 25.0): value
+        for name, unit, value in (("time_constant", "s", 9e-3), ("delay", "s", 0.0), ("inertia", "1", 0.5))
+    }
+    found = replace(result({**known, **anew}), refitted=tuple((q, 1e-4) for q in (*known, *anew)))
+    effect = read_back(rig_update(slow, [found], ()), slow).effect("valve_lag", "piston")
+    assert effect is not None
+    assert {"delay": 0.0, **effect.parameters} == pytest.approx({"time_constant": 9e-3, "delay": 0.0, "inertia": 0.5})
+
+
 def test_a_rig_with_numbers_that_are_no_finding_says_once_what_to_do_with_them(data: MachineData) -> None:
     folder = Path(data.rig.path).parent
     late = EffectEntry(EffectSetting("sensor_delay", "piston.pressure_1", {"seconds": 7e-6}), {}, "No finding.")

@@ -184,6 +184,8 @@ class Identification:
         lists = {"forms": {name for form in self.forms for name in form}}
         lists["shapes"] = {name for form in self.shapes for name in form}
         lists["further"] = {name for form, starts in self.further.items() for name in (*form, *starts)}
+        given: list[dict[str, float]] = [{}, *(dict.fromkeys(form, 1.0) for form in self.forms)]
+        lists["left_open"] = {name for question in self.left_open for known in given for name in question(known)}
         lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels", "saturates")}
         lists["common"] = set(self.common[1])
         named = ("neutral", "healthy", "least", "open_by", "known", "starts_by_valve")

@@ -41,8 +41,13 @@ class PlantParameters:
 
     def is_on(self, effect: Effect) -> bool:
         """Return whether any parameter of an effect differs from zero; of one that it has no numbers of, none does."""
+        return bool(self.numbers_of(effect))
+
+    def numbers_of(self, effect: Effect) -> dict[str, float]:
+        """Return the parameters of an effect that differ from zero, by name."""
         records = [record for record in (self.world, self.cylinder) if effect.name in (record.dtype.names or ())]
-        return any(float(record[effect.name][p.name][0]) != 0.0 for record in records for p in effect.parameters)
+        numbers = {p.name: float(record[effect.name][p.name][0]) for record in records for p in effect.parameters}
+        return {name: value for name, value in numbers.items() if value != 0.0}
 
     @property
     def contained_effects(self) -> set[str]:

@@ -63,8 +63,7 @@ class Searched:
             cylinder, test_time: Of the search that is to begin.
             asked: Its candidates.
         """
-        other = [one for (name, time, *_), one in self.results.items() if name == cylinder and time != test_time and not one.is_empty]
-        return _asked_of(other[-1].search.final, asked) if other else None
+        return self._latest(cylinder, asked, lambda time, _: time != test_time)
 
     def allowed(self, cylinder: str, effort: Effort) -> Allowance:
         """Return how many samples the next search of a cylinder's gas may predict: what is left of the most, and no less than the least.
@@ -98,11 +97,7 @@ class Searched:
         self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]
     ) -> FittedModel | None:
         """Return what the latest search of the same time ended with beside another friction of the piston, or None; as `standing`."""
-        other = [
-            one for (name, time, _, f), one in self.results.items()
-            if (name, time) == (cylinder, test_time) and f != friction and not one.is_empty
-        ]  # fmt: skip
-        return _asked_of(other[-1].search.final, asked) if other else None
+        return self._latest(cylinder, asked, lambda time, known: time == test_time and known != friction)
 
     def standing(
         self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]
@@ -114,8 +109,17 @@ class Searched:
         Args:
             cylinder, test_time, friction, asked: Of the search that is to begin.
         """
-        same = [one for (*other, _, f), one in self.results.items() if (*other, f) == (cylinder, test_time, friction) and not one.is_empty]
-        return _asked_of(same[-1].search.final, asked) if same else None
+        return self._latest(cylinder, asked, lambda time, known: (time, known) == (test_time, friction))
+
+    def _latest(
+        self, cylinder: str, asked: Sequence[Candidate], is_meant: Callable[[Hashable, Hashable], bool]
+    ) -> FittedModel | None:
+        """Return the model of the latest search of a cylinder that is meant, by its test time and friction, with what is asked of it."""
+        meant = [
+            one for (name, time, _, friction), one in self.results.items()
+            if name == cylinder and is_meant(time, friction) and not one.is_empty
+        ]  # fmt: skip
+        return _asked_of(meant[-1].search.final, asked) if meant else None
 
 
 def _asked_of(found: FittedModel, asked: Sequence[Candidate]) -> FittedModel:

@@ -215,9 +215,10 @@ class ModelFits:
         What a similar model has settled on may answer to a usual size of another effect by a hundred times what it leaves. From there a
         linear step, which moves all together, does not come back; from a smaller size it does.
         """
-        held = near.fit.values if near is not None and near.fit.residual.size else None
-        new = [c for c in candidates if held is not None and c.proportional and not c.is_law and not any(q in held for q in c.parameters)]
-        if near is None or not new:
+        if near is None or not near.fit.residual.size:
+            return begin
+        new = [c for c in candidates if c.proportional and not c.is_law and not any(q in near.fit.values for q in c.parameters)]
+        if not new:
             return begin
         for share in (REDUCED**k for k in range(MOST_REDUCED + 1)):
             start = {**begin, **{q: v for c in new for q, v in in_proportion({q: begin[q] for q in c.parameters}, share).items()}}

@@ -66,23 +66,21 @@ def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Ca
 
     How it goes on is one question: all parameters that say it are asked together.
     """
-    declares = effect.identification
-    record = plant.world if effect.name in (plant.world.dtype.names or ()) else plant.cylinder
-    has = {p.name: value for p in effect.parameters if (value := float(record[effect.name][p.name][0])) != 0.0}
+    declares, has = effect.identification, plant.numbers_of(effect)
     forms = [
         {name: (mean - spread, mean + spread)} for name, (mean, spread) in declares.known.items() if declares.every_law and name not in has
     ]  # fmt: skip
-    found = []
-    for values in (*forms, *(question(has) for question in declares.left_open)):
-        if values:
-            one = _of_form(effect, cylinder, tuple(values), plant)[0]
-            starts = tuple(zip(*values.values(), strict=True))
-            found.append(replace(one, form="+".join(values), is_law=True, starts=starts, fixed=()))  # the rest is the rig's
-    asked = {name for question in declares.left_open for name in question(has)}
-    return [  # how much there is of what he has is no finding, in whichever form
-        replace(one, parameters=tuple(replace(q, healthy_limit=0.0) if q.parameter in asked else q for q in one.parameters))
-        for one in found
-    ]
+    found = [_as_law(effect, cylinder, values, plant) for values in forms]
+    for values in (asked for question in declares.left_open if (asked := question(has))):
+        one = _as_law(effect, cylinder, values, plant)  # how much there is of what he has is no finding, in whichever form
+        found.append(replace(one, parameters=tuple(replace(q, healthy_limit=0.0) for q in one.parameters)))
+    return found
+
+
+def _as_law(effect: Effect, cylinder: str, values: Mapping[str, tuple[float, ...]], plant: PlantParameters) -> Candidate:
+    """Return the candidate of how a law goes on, by parameter with the values that it begins with; the rest is the rig's."""
+    one = _of_form(effect, cylinder, tuple(values), plant)[0]
+    return replace(one, form="+".join(values), is_law=True, starts=tuple(zip(*values.values(), strict=True)), fixed=())
 
 
 def _of_further_form(

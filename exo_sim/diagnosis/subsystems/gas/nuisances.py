@@ -116,10 +116,9 @@ def known_effects(plant: PlantParameters, cylinder: str, period: float = 0.0) ->
         if effect.cut != "gas":
             continue
         where, target = place_of(effect, cylinder)
-        record = plant.world if target is Target.WORLD else plant.cylinder
-        for parameter in effect.parameters:
-            value = float(record[effect.name][parameter.name][0])
-            if value != 0.0 and not parameter.choices:
+        for name, value in plant.numbers_of(effect).items():
+            parameter = effect.parameter(name)
+            if not parameter.choices:
                 beside = clocks if parameter.unit == "s" else effect.identification.beside(parameter.name)
                 spread = math.hypot(priors.KNOWN_GAS * value, beside)
                 found.append(

@@ -72,6 +72,7 @@ class LinearFamily:
         whole: Size of all that the effects stand for, also of what the nominal machine has of it, in units of the noise of a row.
         least: What is missing without a name is a finding from this root mean square on, in the same units: healthy machines have less.
         fitted_forms: Richer forms of effects that have no terms: they are weighed against the plainer one as fitted, once that is found.
+        constant: The greatest constant force that zeros of sensors within their data sheets make where friction acts [N or N m].
     """
 
     nuisances: tuple[FreeParameter, ...]
@@ -79,3 +80,4 @@ class LinearFamily:
     whole: float = 0.0
     least: float = 0.0
     fitted_forms: tuple[Candidate, ...] = ()
+    constant: float = 0.0

@@ -153,6 +153,9 @@ LEAST_COMPARED = Number(
     "strangers' machines: a stamp of 0.9 kg with a spring has 0.10 and was not judged, a slide of 0.8 kg 0.13; a small cart has 0.43, a "
     "lift 0.76",
 )  # fmt: skip
+ROWS_ENOUGH = Count(
+    60, "rows", "a filter as wide as noise asks for is not taken where it leaves fewer: twice what is fitted, for training time has part",
+)
 NOISY_FALL = Number(
     1.5, "power of the filter's width",
     "a change of the acceleration that falls at least so fast between the first widths is noise, white or not",

@@ -83,11 +83,14 @@ class FinalistFits:
             final = beside.fit(candidates, near, refined=True)
             there = without_nil(candidates, final.fit.values)
             kept = tuple(c for c in there if exceeds_healthy_limit(c, final))
-            poorer = poorer_where_alike(kept, final.fit.values, asked)
+            constant = self.weighing.family.constant
+            poorer = poorer_where_alike(kept, final.fit.values, asked, constant)
             if poorer != kept:  # gains below the noise count for nothing
                 begun = FittedModel.at({**final.fit.values, **sizes_of_poorer(kept, poorer, final.fit.values)})
                 simpler = beside.fit(poorer, begun, refined=True)
-                if simpler.fit.sse <= self.fits.model.size or beside.deficit(simpler, final) <= verdicts.AS_GOOD:
+                within_data_sheets = 0.5 * max(simpler.fit.penalty - final.fit.penalty, 0.0) if constant > 0.0 else 0.0
+                lost = beside.deficit(simpler, final) - within_data_sheets
+                if simpler.fit.sse <= self.fits.model.size or lost <= verdicts.AS_GOOD:
                     kept, near = poorer, begun
             if kept == candidates:
                 return final

@@ -48,23 +48,27 @@ class JointSearch:
         simplification: What leaves a model with no more than it needs.
         report: Called with a few words on what is going on.
         is_over: Whether nothing more is to be sought.
+        goes_elsewhere: Whether the search stops at a model for another subsystem to be asked first.
     """
 
     def __init__(
         self, fits: ModelFits, comparisons: Comparisons, proposals: Proposals, simplification: Simplification,
-        report: Callable[[str], None], is_over: IsSpent,
+        report: Callable[[str], None], is_over: IsSpent, goes_elsewhere: Callable[[FittedModel], bool] = lambda _: False,
     ):  # fmt: skip
         self.fits, self.comparisons, self.proposals, self.simplification = fits, comparisons, proposals, simplification
-        self._report, self._is_over = report, is_over
+        self._report, self._is_over, self._goes_elsewhere = report, is_over, goes_elsewhere
 
     def found_together(self, now: FittedModel) -> Together:
         """Return the model that is reached by asking all candidates together, and leaving out what is not missed.
 
         Proposals are made beside the model that there is, and where that leads nowhere, beside none, unless nothing of that model is left
         in what it led to. It does not explain the data where it leaves more than the model of a healthy machine would, where what stands
-        of it explains less, or where it is no better than the model that there is.
+        of it explains less, or where it is no better than the model that there is. Where another subsystem is to be asked first it is
+        returned as it was proposed, without what is not missed.
         """
         reached = self._reached_from(now)
+        if self._goes_elsewhere(reached):
+            return Together(reached, explains=False)
         if now.named & reached.named and not self.is_within_bound(reached) and not self._is_over():
             reached = self.comparisons.ranked([reached, self._reached_from(self.comparisons.baseline)])[0]
         tidied = self.simplification.tidied(reached)
@@ -98,7 +102,8 @@ class JointSearch:
             self._report(f"{len(best.candidates)} together, {math.sqrt(best.fit.sse / model.size):.1f} times the noise left")
             if self.comparisons.is_clean(best):
                 break
-        return self.extended(self._jointly_pruned(best))
+        pruned = self._jointly_pruned(best)
+        return pruned if self._goes_elsewhere(pruned) else self.extended(pruned)
 
     def _jointly_pruned(self, now: FittedModel) -> FittedModel:
         """Return a model without what is not missed beside the rest.

@@ -120,7 +120,7 @@ class _Growth:
         self.fits, self.comparisons, self.proposals = fits, comparisons, proposals
         self._report, self._stopping = report, stopping
         self.simplification = Simplification(fits, comparisons, proposals, self._is_over)
-        self.joint = JointSearch(fits, comparisons, proposals, self.simplification, report, self._is_over)
+        self.joint = JointSearch(fits, comparisons, proposals, self.simplification, report, self._is_over, self._goes_elsewhere)
 
     def _is_over(self) -> bool:
         """Return whether nothing more is to be sought."""
@@ -149,7 +149,7 @@ class _Growth:
             if tidied is None:
                 if asks_together and together is None and not self.joint.is_within_bound(best):
                     together = self.joint.found_together(best)
-                    if together.explains:
+                    if together.explains or self._goes_elsewhere(together.model):
                         return self._reached(together.model)
                 break
             if best.candidates and self.fits.deficit(tidied, best) >= 0.0:
@@ -162,7 +162,7 @@ class _Growth:
                 if (elsewhere := self._elsewhere_next(best)) is not None:
                     return self._interrupted(elsewhere)
                 together = self.joint.found_together(best)
-                if together.explains:
+                if together.explains or self._goes_elsewhere(together.model):
                     return self._reached(together.model)
             if self._gives_up(before, best):
                 return self._swapped(best)

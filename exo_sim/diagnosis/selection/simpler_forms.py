@@ -9,7 +9,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, CandidateKey
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
-from exo_sim.physics.declaration import declared
+from exo_sim.physics.declaration import declared, identification_of
 
 
 def poorer_than(effect: str) -> dict[str, tuple[tuple[str, str], ...]]:
@@ -35,7 +35,7 @@ def no_richer_than_needed(
 
 
 def poorer_where_alike(
-    candidates: Sequence[Candidate], values: Mapping[FreeParameter, float], asked: Mapping[str, Candidate]
+    candidates: Sequence[Candidate], values: Mapping[FreeParameter, float], asked: Mapping[str, Candidate], constant: float = 0.0
 ) -> tuple[Candidate, ...]:
     """Return the effects, a richer form replaced by the poorer one where what it tells apart is alike.
 
@@ -45,13 +45,14 @@ def poorer_where_alike(
         candidates: The effects.
         values: Of a model with them.
         asked: Candidates by effect, the poorer forms among them.
+        constant: The greatest constant force that sensors within their data sheets make beside them [N or N m].
     """
     found = []
     for candidate in candidates:
         kept: Candidate | None = candidate
         for poorer in poorer_than(candidate.effect):
             known = any(q.effect == poorer for q, _ in candidate.fixed)
-            if (poorer in asked or known) and _is_alike(candidate, poorer, values):
+            if (poorer in asked or known) and _is_alike(candidate, poorer, values, constant):
                 kept = asked.get(poorer)
         found += [kept] if kept is not None else []
     return tuple(found)
@@ -146,8 +147,12 @@ def _numbers_of(
     return found
 
 
-def _is_alike(richer: Candidate, poorer: str, values: Mapping[FreeParameter, float]) -> bool:
-    """Return whether the numbers of a richer form that are one number of a poorer one hardly differ."""
+def _is_alike(richer: Candidate, poorer: str, values: Mapping[FreeParameter, float], constant: float = 0.0) -> bool:
+    """Return whether the numbers of a richer form that are one number of a poorer one hardly differ, or by what a constant force makes."""
     parts = dict(poorer_than(richer.effect)[poorer])
     apart = [values[q] for q in richer.parameters if q.parameter in parts]
-    return bool(apart) and max(apart) - min(apart) < verdicts.ALIKE * max(apart)
+    if not apart:
+        return False
+    between = max(apart) - min(apart)
+    beside_constant = identification_of(richer.effect).twins.beside_constant == poorer
+    return between < verdicts.ALIKE * max(apart) or (beside_constant and 0.5 * between <= constant)

@@ -47,6 +47,29 @@ def test_what_nothing_is_left_of_goes_and_what_took_its_place_goes_first() -> No
     assert without_nil((waves.BASE,), {SIZE: 0.0}) == ()
 
 
+def _friction(effect: str, *numbers: str) -> Candidate:
+    """Return dry friction of these numbers, the waves of a model of the same names."""
+    parameters = tuple(replace(waves.parameter(effect, "", low=0.0), parameter=name) for name in numbers)
+    return Candidate(effect, "piston", "+".join(numbers), parameters, ((1.0,) * len(numbers),))
+
+
+@pytest.mark.parametrize(("constant", "named"), [(0.0, "asymmetric_friction"), (2.0, "coulomb_friction")])
+def test_two_directions_that_a_zero_within_its_data_sheet_makes_are_one(constant: float, named: str) -> None:
+    """Zeros are known better than that by most sensors' spread, which does not say that no sensor is off by as much."""
+    outward, white = np.sin(waves.AT / 7.0) > 0.0, np.random.default_rng(7).choice([-1.0, 1.0], waves.AT.size)
+    shapes = {"forward": white * outward, "backward": -white * ~outward, "force": white * np.where(outward, 1.0, -1.0), "zero": white}
+    model = waves.Waves(shapes=shapes, forward=9.0, backward=6.0)
+    zero = waves.parameter("zero", "zero", prior=(0.0, 0.3))
+    apart, plain = _friction("asymmetric_friction", "forward", "backward"), _friction("coulomb_friction", "force")
+    basis, target = joined([], model.size), -model.residual({})
+    terms = tuple(waves.term(model, each, "dry") for each in (apart, plain))
+    linear = Linearisation(None, {}, target, shapes["zero"][:, None], terms)
+    weighing = SubsetWeighing(LinearFamily((zero,), (linear,), constant=constant), basis, model.blocks)
+    found = FinalistFits(ModelFits(model, (zero,), cheap=True), weighing, basis)
+    final = found.refitted(weighing.finalists()[0], (apart,)).model
+    assert [c.effect for c in final.candidates] == [named]
+
+
 @pytest.mark.parametrize(("off", "plain_is_taken"), [(0.9, True), (1.1, False)])
 def test_the_plain_fit_is_taken_where_it_is_within_a_standard_error(off: float, plain_is_taken: bool) -> None:
     final, plain = (FittedModel.at({SIZE: value}, (waves.BASE,)) for value in (2.0, 2.0 + off))

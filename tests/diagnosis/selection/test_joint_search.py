@@ -58,6 +58,14 @@ def test_proposals_begin_anew_beside_nothing_where_the_path_that_led_nowhere_is_
     assert begins == [0, 1, 0, 1]
 
 
+def test_what_another_subsystem_is_to_be_asked_for_first_is_handed_on_as_it_was_proposed(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, bare = begun(Waves(1.5, slow=8.0, quick=6.0))
+    monkeypatch.setattr(search, "_goes_elsewhere", lambda model: any(c.effect == "base" for c in model.candidates))
+    monkeypatch.setattr(search, "extended", lambda model: pytest.fail("nothing more is sought beside it"))
+    found = search.found_together(bare)
+    assert not found.explains and "base" in {c.effect for c in found.model.candidates}
+
+
 def test_nothing_is_asked_when_the_time_is_up() -> None:
     search, bare = begun(Waves(slow=8.0, quicker=6.0), lambda: True)
     found = search.found_together(bare)

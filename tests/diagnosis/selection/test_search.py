@@ -162,6 +162,16 @@ def test_what_ends_a_search_is_looked_for_before_all_are_asked_together(asked: l
         assert {c.effect for c in found.final.candidates} == {"base", "other"}
 
 
+def test_what_ends_a_search_may_be_found_together(asked: list[int]) -> None:
+    """Nearly cancelling, neither of two passes alone; together they are found, and something is left."""
+    h, one, other = np.random.default_rng(7).choice([-1.0, 1.0], (3, AT.size))
+    shapes = {**SHAPES, "quick": h + 0.2 * one, "quicker": h + 0.2 * other}
+    library = (BASE, OTHER, candidate("third", "quick"))
+    model = Waves(1.2, shapes, quick=5.0, quicker=-5.0, level=2.0)
+    found = Search(model, (), library, stopping=StoppingCriteria(until=partial(_has, "third"))).run()
+    assert asked == [0] and found.interrupted and _has("third", found.final)
+
+
 def _has(effect: str, model: FittedModel) -> bool:
     return any(c.effect == effect for c in model.candidates)
 

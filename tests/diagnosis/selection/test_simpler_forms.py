@@ -35,6 +35,11 @@ def test_where_the_rig_has_none_the_poorer_one_is_found_instead(forward: float, 
     assert poorer_where_alike([APART], {FORWARD: forward, BACKWARD: backward}, {"coulomb_friction": PLAIN}) == (kept,)
 
 
+@pytest.mark.parametrize(("constant", "kept"), [(1.9, APART), (2.1, PLAIN)])
+def test_two_directions_that_a_constant_force_makes_are_one(constant: float, kept: Candidate) -> None:
+    assert poorer_where_alike([APART], {FORWARD: 10.0, BACKWARD: 14.0}, {"coulomb_friction": PLAIN}, constant) == (kept,)
+
+
 @pytest.mark.parametrize(("backward", "named"), [(21.5, False), (26.0, True)])
 def test_what_the_rig_has_and_is_alike_is_no_finding(backward: float, named: bool) -> None:
     instead = replace(APART, fixed=((FORCE, 0.0),))

@@ -63,14 +63,19 @@ class _Risk:
     def best(self) -> int:
         return int(np.argmin(self.noise**2 + self.bias**2))
 
+    def last_within(self, most: float) -> int:
+        """Return which is the widest filter that is no wider than this [s]; the least where all are."""
+        return max(int(np.searchsorted(self.widths, most * (1.0 + 1e-9))) - 1, 0)
 
-def asked_width(time: Array, positions: Sequence[Array], mended: Sequence[float] = ()) -> AskedWidth:
+
+def asked_width(time: Array, positions: Sequence[Array], mended: Sequence[float] = (), most: float = math.inf) -> AskedWidth:
     """Return the width that the positions of all joints ask for: that of the joint that moves and asks for the least.
 
     Args:
         time: Of the samples, shape (n,) [s].
         positions: Of the joints, shape (n,) each.
         mended: Times at which the clock was mended [s].
+        most: No wider one is returned, unless the least is [s].
     """
     plain = tuple(white_noise(values) for values in positions)
     least = smoothing_width(time)
@@ -81,7 +86,7 @@ def asked_width(time: Array, positions: Sequence[Array], mended: Sequence[float]
         for values, noise in zip(positions, plain, strict=True)
     ]
     moving = [risk for risk in risks if risk is not None]
-    wide = min((risk.best for risk in moving), default=0)
+    wide = min((min(risk.best, risk.last_within(most)) for risk in moving), default=0)
     if wide == 0:
         return AskedWidth(least, plain, (0.0,) * len(plain))
     noises = tuple(noise if risk is None else float(risk.position[wide]) for noise, risk in zip(plain, risks, strict=True))

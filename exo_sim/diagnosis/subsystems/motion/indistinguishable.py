@@ -57,6 +57,11 @@ def force_of_zeros(drive: Drive) -> float:
     return ZERO_OF_RANGE * max(forces, default=0.0)
 
 
+def constant_force_of_zeros(runs: Sequence[MotionRun]) -> float:
+    """Return the greatest constant force that zeros of pressure sensors may make where friction acts, in any recording [N or N m]."""
+    return max(force_of_zeros(run.drive) / run.drive.usual_arm for run in runs)
+
+
 def friction_beside_constant_force(
     findings: Sequence[Finding], fit: Fit, runs: Sequence[MotionRun]
 ) -> Mapping[tuple[str, str], tuple[str, ...]]:
@@ -70,7 +75,7 @@ def friction_beside_constant_force(
         fit: Of its numbers.
         runs: The balance in every recording: the greatest pressure of all of them says the range of its sensors.
     """
-    of_zeros = max(force_of_zeros(run.drive) / run.drive.usual_arm for run in runs)
+    of_zeros = constant_force_of_zeros(runs)
     names = {finding.name for finding in findings}
     beside = {one.name: one.identification.twins.beside_constant for one in declared().values()}
     twins = {name: twin for name, twin in beside.items() if twin in names}

@@ -1,8 +1,8 @@
 """Balances of forces behind the filter that suits them.
 
 The usual filter of the clock serves most machines. Where noise of the positions says what the balance is worth, a wider one is asked for
-(`filter_width`). Where the machine turns round too soon for most of its motion to be compared behind the usual one, a narrower one: that
-from which the rows tell most.
+(`filter_width`), but none behind which the machine turns round too soon for rows enough to be left. Where it turns round too soon for most
+of its motion to be compared behind the usual one, a narrower one: that from which the rows tell most.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.open_questions import Unjudged
 from exo_sim.diagnosis.policy.healthy import FORCE_FLOOR_SHARE
-from exo_sim.diagnosis.policy.recordings import LEAST_COMPARED
-from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth, asked_width
+from exo_sim.diagnosis.policy.recordings import LEAST_COMPARED, ROWS_ENOUGH
+from exo_sim.diagnosis.subsystems.motion.filter_width import WIDER, AskedWidth, asked_width
 from exo_sim.diagnosis.subsystems.motion.inverse_dynamics import balances
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 from exo_sim.diagnosis.subsystems.motion.smoothing import least_width, smoothing_width
@@ -41,15 +41,25 @@ def motion_runs(recording: Recording, rig: Rig, model: mujoco.MjModel, links: tu
         return usual
     names = [model.joint(j).name for j in range(model.njnt)]
     positions = [recording[f"{name}.position"] for name in names]
+    narrowest = smoothing_width(recording.time)
     if noisy:
         asked = asked_width(recording.time, positions, recording.breaks)
-        tried = [asked] if asked.seconds > smoothing_width(recording.time) else []
-    else:
-        noise, still = tuple(white_noise(values) for values in positions), (0.0,) * len(names)
-        tried = [AskedWidth(seconds, noise, still) for seconds in _narrower(smoothing_width(recording.time), least_width(recording.time))]
+        enough = ROWS_ENOUGH if _rows(usual[0]) >= ROWS_ENOUGH else 0
+        while asked.seconds > narrowest:
+            wider = balances(recording, rig, model, links, asked)
+            if len(wider[0]) == len(usual[0]) and _rows(wider[0]) >= enough:
+                return wider
+            asked = asked_width(recording.time, positions, recording.breaks, asked.seconds / WIDER)
+        return usual
+    noise, still = tuple(white_noise(values) for values in positions), (0.0,) * len(names)
+    tried = [AskedWidth(seconds, noise, still) for seconds in _narrower(narrowest, least_width(recording.time))]
     every = [usual, *(balances(recording, rig, model, links, one) for one in tried)]
-    every = [one for one in every if len(one[0]) == len(usual[0])]
-    return every[-1] if noisy else max(every, key=lambda one: _worth(one[0]))
+    return max((one for one in every if len(one[0]) == len(usual[0])), key=lambda one: _worth(one[0]))
+
+
+def _rows(runs: Sequence[MotionRun]) -> int:
+    """Return how many rows the balance has that has fewest."""
+    return min((rows_of(run, np.ones(len(run.time), dtype=bool)).block.size for run in runs), default=0)
 
 
 def _narrower(usual: float, least: float) -> list[float]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import benches
@@ -9,7 +10,8 @@ import numpy as np
 import pytest
 
 from exo_sim.diagnosis.data.motion_run import MotionRun
-from exo_sim.diagnosis.policy.recordings import LEAST_COMPARED
+from exo_sim.diagnosis.policy.recordings import LEAST_COMPARED, ROWS_ENOUGH
+from exo_sim.diagnosis.subsystems.motion.filter_width import asked_width
 from exo_sim.diagnosis.subsystems.motion.motion_runs import motion_runs
 from exo_sim.diagnosis.subsystems.motion.rows import rows_of
 from exo_sim.diagnosis.subsystems.motion.smoothing import SMOOTHING, smoothing_width
@@ -56,3 +58,12 @@ def test_a_machine_that_turns_round_soon_has_a_narrower_one(tmp_path: Path, freq
 def test_noise_asks_for_a_wider_one_however_soon_it_turns_round(tmp_path: Path) -> None:
     assert balance(tmp_path, swinging(1.0, 1e-3)).smoothing > SMOOTHING
     assert balance(tmp_path, swinging(9.0, 1e-3)).smoothing >= 0.0
+
+
+def test_no_filter_leaves_too_few_rows_of_a_machine_that_turns_round_soon(tmp_path: Path) -> None:
+    table = swinging(6.0, 3e-4)
+    asked = asked_width(table.time, [table["slide.position"]]).seconds
+    run = balance(tmp_path, table)
+    every = np.ones(TIME.size, dtype=bool)
+    assert smoothing_width(run.time, run.smoothing) < asked
+    assert rows_of(run, every).block.size >= ROWS_ENOUGH > rows_of(replace(run, smoothing=asked), every).block.size

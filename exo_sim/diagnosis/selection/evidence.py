@@ -41,7 +41,7 @@ class Evidence:
 def misfit(variance: float) -> float:
     """Return twice the negative log-likelihood a row for a residual variance in units of the noise.
 
-    Above the noise the level of the errors is unknown and its logarithm counts; below it the noise is known, and less is no gain.
+    Above the noise the level of the errors is unknown and its logarithm counts; below it the noise is known.
     """
     return math.log(variance) if variance > 1.0 else variance - 1.0
 
@@ -94,7 +94,8 @@ def is_accepted(
 
     Once nine tenths are explained, a further effect must reach the noise or take half of what is left: the last tenth of a real machine
     has no particular shape, and every candidate fits a little of it. What has a shape of its own and returns the rig's numbers to their
-    data sheets need do neither: they lower the error in its place.
+    data sheets need do neither: they lower the error in its place. Where no more than the noise is left, nothing else is a gain: noise
+    that was taken to be larger than it is counts what happened between samples too, and any candidate fits a little of that.
 
     Args:
         evidence: For it.
@@ -107,6 +108,8 @@ def is_accepted(
     gains = evidence.steady > acceptance.STEADY_GAIN
     if without.penalty - with_it.penalty > acceptance.RELIEF and evidence.beside_discrepancy > acceptance.BESIDE_DISCREPANCY and gains:
         return evidence.log10_odds > acceptance.LEAST_ODDS
+    if without.sse <= n:
+        return False
     plain = evidence.log10_odds > acceptance.BEYOND_DOUBT_ODDS and evidence.share > acceptance.BEYOND_DOUBT_SHARE
     beyond_doubt = plain and without.sse > acceptance.BEYOND_DOUBT_VARIANCE * n
     if math.sqrt(without.sse / n) - math.sqrt(with_it.sse / n) < practical_significance and not beyond_doubt:

@@ -102,8 +102,21 @@ class JointSearch:
             self._report(f"{len(best.candidates)} together, {math.sqrt(best.fit.sse / model.size):.1f} times the noise left")
             if self.comparisons.is_clean(best):
                 break
-        pruned = self._jointly_pruned(best)
+        pruned = self._jointly_pruned(self._reshaped(best))
         return pruned if self._goes_elsewhere(pruned) else self.extended(pruned)
+
+    def _reshaped(self, now: FittedModel) -> FittedModel:
+        """Return a model with the effects that do not answer in proportion begun anew at their best shapes, where that leaves less."""
+        for candidate in now.candidates:
+            if self.comparisons.is_clean(now) or self._is_over():
+                break
+            begun = self.proposals.reshaped(candidate, now)
+            again = now if begun is None else self.fits.fit(begun.candidates, begun, again=True)
+            if self.comparisons.ranked([now, again])[0] is not now:
+                now = self.fits.refined(again)
+                left = math.sqrt(now.fit.sse / self.fits.model.size)
+                self._report(f"{candidate.effect.replace('_', ' ')} begun anew, {left:.1f} times the noise left")
+        return now
 
     def _jointly_pruned(self, now: FittedModel) -> FittedModel:
         """Return a model without what is not missed beside the rest.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE
@@ -68,6 +68,20 @@ class Proposals:
         asked = [one for one in (*self.candidates, *self._further) if one.at not in now.named and now.meets_prerequisite(one)]
         begun = best_shapes(self.fits.model, now, asked, self.fits.threads, self.fits.is_spent)
         return [model for drop, model in begun if self.promise_enough(drop, now)]
+
+    def reshaped(self, candidate: Candidate, now: FittedModel) -> FittedModel | None:
+        """Return where a fit begins with an effect of a model at its best shape; None where none of them promises to leave less.
+
+        An effect that came with others was begun where its usual sizes are: a hose of a tenth of its volume is as good as none, and no
+        step leads from there to what it is.
+        """
+        forms = [c for c in (*self.candidates, *self._further) if c.shapes and (c.at, c.fixed) == (candidate.at, candidate.fixed)]
+        if not forms:
+            return None
+        without = self.fits.fit(drop_orphans(now.without(candidate)), now)
+        begun = best_shapes(self.fits.model, without, forms, self.fits.threads, self.fits.is_spent)
+        drop, model = max(begun, key=lambda one: one[0], default=(0.0, now))
+        return model if without.fit.sse - drop < now.fit.sse else None
 
     def alternatives(self, now: FittedModel, count: int = FINALISTS) -> list[Candidate]:
         """Return the best scored candidates beside what a model has, whatever they promise."""

@@ -66,14 +66,16 @@ def test_a_small_error_is_a_finding_only_beyond_doubt() -> None:
         assert is_accepted(weighing, start, start, true, 10.0) == plain
 
 
-def test_below_the_noise_nothing_is_beyond_doubt() -> None:
+def test_below_the_noise_nothing_is_gained_whatever_its_odds() -> None:
     rng = np.random.default_rng(3)
     quiet = 0.5 * rng.standard_normal(60 * BLOCKS.size)
     rows = Rows(np.arange(quiet.size) // 50)
     start, less = fit_of(quiet + 0.25 * np.sin(np.arange(quiet.size) / 7.0)), fit_of(quiet)
     weighing = compare(rows, start, less, 1, 30)
     assert weighing.log10_odds > BEYOND_DOUBT_ODDS and weighing.share == 1.0
-    assert not is_accepted(weighing, start, start, less, 10.0)
+    assert not is_accepted(weighing, start, start, less, 0.0)
+    before, after = (fit_of(2.5 * one.residual) for one in (start, less))
+    assert is_accepted(compare(rows, before, after, 1, 30), before, before, after, 0.0)
 
 
 def test_great_odds_for_a_small_share_are_not_beyond_doubt() -> None:

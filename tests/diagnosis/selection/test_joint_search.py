@@ -85,3 +85,12 @@ def test_what_rings_is_begun_at_its_best_shape_whatever_a_fit_from_elsewhere_fou
     before = search.fits.fit((OTHER, RINGS), now)
     assert abs(before.fit.values[RATE] - 20.4) > 1.0
     assert search.extended(now).fit.values[RATE] == pytest.approx(20.4, abs=0.1)
+
+
+@pytest.mark.parametrize(("rate", "begun_anew"), [(20.4, True), (6.0, False)])
+def test_what_came_with_others_in_another_optimum_is_begun_anew_at_its_best_shape(rate: float, begun_anew: bool) -> None:
+    search, bare = begun(Ringing(8.0, rate, quicker=6.0), asked=(OTHER, RINGS))
+    before = search.fits.refined(search.fits.fit((OTHER, RINGS), bare))
+    after = search._reshaped(before)
+    assert (after is not before) is begun_anew
+    assert after.fit.values[RATE] == pytest.approx(rate, abs=0.1)

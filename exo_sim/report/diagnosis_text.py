@@ -59,22 +59,29 @@ def _cut(sections: Sequence[list[str]], room: int) -> list[list[str]]:
 
 
 def _fit(diagnosis: Diagnosis) -> list[str]:
+    """Return the errors, those run free beside those over windows: cut, neither is without the other."""
     if not diagnosis.signals:
         return []
-    width = max(map(len, [*diagnosis.signals, *diagnosis.free_run]))
+    names = dict.fromkeys([*diagnosis.signals, *diagnosis.free_run])
+    width = max(map(len, names))
     lines = [f"Error on held-out time ({diagnosis.measure})"]
-    lines += [_row(name, width, fit) for name, fit in diagnosis.signals.items()]
     if diagnosis.free_run:
-        lines.append("... and of improved.toml in one free run from the first measured state, which nothing corrects")
-        lines += [_row(name, width, run) for name, run in diagnosis.free_run.items()]
-    return lines
+        lines.append("  run free: of improved.toml in one run from the first measured state, which nothing corrects")
+    return lines + [_row(name, width, diagnosis.signals.get(name), diagnosis.free_run.get(name)) for name in names]
 
 
-def _row(name: str, width: int, fit: SignalFit) -> str:
-    fit = diagnosis_words.without_rounding(fit)
-    unit, size = amounts.shown_in(fit.unit, fit.largest)
-    before, after, noise = (amounts.digits(v / size) for v in (fit.before, fit.after, fit.noise))
-    return f"  {name:{width}}  before {before:>8}  after {after:>8}  noise {noise:>8}  {unit}"
+def _row(name: str, width: int, fit: SignalFit | None, run: SignalFit | None) -> str:
+    """Return the errors of one column before and after, over windows and run free, in one unit."""
+    either = [diagnosis_words.without_rounding(one) for one in (fit, run) if one is not None]
+    unit, size = amounts.shown_in(either[0].unit, max(one.largest for one in either))
+
+    def shown(value: float) -> str:
+        return f"{amounts.digits(value / size):>8}"
+
+    parts = [f"  {name:{width}}", " " * 31 if fit is None else f"before {shown(either[0].before)}  after {shown(either[0].after)}"]
+    if run is not None:
+        parts.append(f"run free {shown(either[-1].before)} {shown(either[-1].after)}")
+    return "  ".join([*parts, f"noise {shown(either[0].noise)}  {unit}"])
 
 
 def _located(diagnosis: Diagnosis) -> list[str]:

@@ -83,18 +83,28 @@ class FinalistFits:
             final = beside.fit(candidates, near, refined=True)
             there = without_nil(candidates, final.fit.values)
             kept = tuple(c for c in there if exceeds_healthy_limit(c, final))
-            constant = self.weighing.family.constant
-            poorer = poorer_where_alike(kept, final.fit.values, asked, constant)
-            if poorer != kept:  # gains below the noise count for nothing
+            poorer = poorer_where_alike(kept, final.fit.values, asked)
+            by_sensors = poorer == kept
+            if by_sensors:
+                poorer = poorer_where_alike(kept, final.fit.values, asked, self.weighing.family.constant)
+            if poorer != kept:
                 begun = FittedModel.at({**final.fit.values, **sizes_of_poorer(kept, poorer, final.fit.values)})
-                simpler = beside.fit(poorer, begun, refined=True)
-                within_data_sheets = 0.5 * max(simpler.fit.penalty - final.fit.penalty, 0.0) if constant > 0.0 else 0.0
-                lost = beside.deficit(simpler, final) - within_data_sheets
-                if simpler.fit.sse <= self.fits.model.size or lost <= verdicts.AS_GOOD:
+                if self._is_as_good(beside.fit(poorer, begun, refined=True), final, beside, by_sensors):
                     kept, near = poorer, begun
             if kept == candidates:
                 return final
             candidates = kept
+
+    def _is_as_good(self, simpler: FittedModel, final: FittedModel, beside: MarginalFits, by_sensors: bool) -> bool:
+        """Return whether a model with a poorer form is as good as one with the richer.
+
+        Gains below the noise count for nothing. Where sensors within their data sheets make the difference (`by_sensors`) what they are
+        off by does not count against them, and the gain does.
+        """
+        lost = beside.deficit(simpler, final)
+        if by_sensors:
+            return lost - 0.5 * max(simpler.fit.penalty - final.fit.penalty, 0.0) <= verdicts.AS_GOOD
+        return simpler.fit.sse <= self.fits.model.size or lost <= verdicts.AS_GOOD
 
 
 def without_nil(candidates: tuple[Candidate, ...], values: Mapping[FreeParameter, float]) -> tuple[Candidate, ...]:

@@ -189,7 +189,7 @@ def test_every_finding_is_told_with_its_number_however_many_they_are():
 def test_a_run_free_stands_beside_the_windows_of_the_same_column_in_the_terminal() -> None:
     runs = {"piston.pressure_1": SignalFit("Pa", 86400.0, 1280.0, 256.0), "slide.position": SignalFit("m", 7.66e-2, 2.85e-4, 2e-5)}
     lines = diagnosis_text.text(made_up.whole(effects=(made_up.LEAK,), free_run=runs)).splitlines()
-    rows = [" ".join(line.split()) for line in lines if "run free" in line and "before" in line or line.startswith("  slide.position")]
+    rows = [" ".join(line.split()) for line in lines if ("run free" in line and "before" in line) or line.startswith("  slide.position")]
     assert rows == [
         "piston.pressure_1 before 9.42 after 0.279 run free 86.4 1.28 noise 0.250 kPa", "slide.position run free 76.6 0.285 noise 0.0200 mm",
     ]  # fmt: skip

@@ -191,8 +191,9 @@ def test_a_run_free_stands_beside_the_windows_of_the_same_column_in_the_terminal
     lines = diagnosis_text.text(made_up.whole(effects=(made_up.LEAK,), free_run=runs)).splitlines()
     rows = [" ".join(line.split()) for line in lines if ("run free" in line and "before" in line) or line.startswith("  slide.position")]
     assert rows == [
-        "piston.pressure_1 before 9.42 after 0.279 run free 86.4 1.28 noise 0.250 kPa", "slide.position run free 76.6 0.285 noise 0.0200 mm",
-    ]  # fmt: skip
+        "piston.pressure_1 before 9.42 after 0.279 run free 86.4 1.28 noise 0.250 kPa",
+        "slide.position run free 76.6 0.285 noise 0.0200 mm",
+    ]
 
 
 def test_the_verdict_counts_what_is_off_and_names_what_is_missing():

@@ -56,9 +56,15 @@ class Proposals:
         """Return whether a candidate that promises such a drop is worth a full fit."""
         return could_be_accepted(promised, now.fit, self._practical_significance)
 
-    def additions(self, now: FittedModel) -> list[Candidate]:
-        """Return the candidates that are worth a full fit beside what a model has, best first."""
-        return self._finalists([(score, candidate) for score, candidate in self.scored(now) if self.promise_enough(score, now)])
+    def additions(self, now: FittedModel, later: bool = False) -> list[Candidate]:
+        """Return the candidates that are worth a full fit beside what a model has, best first; or those of the next scores."""
+        worth = [(score, candidate) for score, candidate in self.scored(now) if self.promise_enough(score, now)]
+        first = self._finalists(worth)
+        return self._finalists([pair for pair in worth if pair[1] not in first and not self._is_of(pair[1], first)]) if later else first
+
+    @staticmethod
+    def _is_of(candidate: Candidate, others: Sequence[Candidate]) -> bool:
+        return any(other.at == candidate.at for other in others)
 
     def shaped(self, now: FittedModel) -> list[FittedModel]:
         """Return models with one more candidate whose answer is not in proportion, each where a fit of it is worth beginning.

@@ -38,6 +38,15 @@ def test_only_what_could_be_accepted_is_added_but_every_alternative_is_named() -
     assert not found.promise_enough(0.001 * AT.size, bare)
 
 
+def test_the_next_scores_are_of_other_effects_than_the_first() -> None:
+    waves = ("slow", "quick", "quicker", "level")
+    every = [candidate(f"effect{k}", *pair) for k, pair in enumerate(zip(waves, (*waves[1:], "slow"), strict=True))]
+    last = candidate("last", "quicker")
+    found, bare = proposals(*every, last, candidate("effect0", "slow"), slow=9.0, quick=8.0, quicker=5.0, level=9.0)
+    first, later = found.additions(bare), found.additions(bare, later=True)
+    assert {one.effect for one in first} == {"effect0", "effect1", "effect2", "effect3"} and later == [last]
+
+
 def test_few_forms_of_one_effect_are_fitted_at_a_time() -> None:
     forms = [candidate("base", wave) for wave in ("slow", "quick", "quicker", "level")]
     found, bare = proposals(*forms, OTHER, slow=3.0, quick=2.0, quicker=2.0, level=2.0)

@@ -15,6 +15,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParamete
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.joint_search import JointSearch, Together
+from exo_sim.diagnosis.selection.proposals import Proposals
 from exo_sim.diagnosis.selection.search import Search, StoppingCriteria, WarmStart
 
 
@@ -139,6 +140,20 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
     monkeypatch.setattr(JointSearch, "found_together", counted)
     return found
+
+
+@pytest.mark.parametrize(("bound", "named"), [(1.2, {"base"}), (1e9, set())])
+def test_where_those_of_the_best_scores_leave_the_larger_part_the_next_are_fitted(
+    monkeypatch: pytest.MonkeyPatch, asked: list[int], bound: float, named: set[str]
+) -> None:
+    """Four that mend a third of it promise more than what explains it does; within what a healthy machine leaves nobody looks on."""
+    white = np.random.default_rng(4).choice([-1.0, 1.0], (4, AT.size))
+    shapes = {**SHAPES, **{f"like{k}": SHAPES["slow"] + white[k] for k in range(4)}}
+    library = (*(candidate(f"like{k}", f"like{k}") for k in range(4)), BASE)
+    scored = Proposals.scored
+    monkeypatch.setattr(Proposals, "scored", lambda own, now: sorted(scored(own, now), key=lambda pair: pair[1] is BASE))
+    found = search(Waves(bound, shapes, slow=9.0), False, library).run()
+    assert {c.effect for c in found.final.candidates} == named and asked == []
 
 
 def test_what_was_asked_together_before_is_not_asked_together_again(asked: list[int]) -> None:

@@ -105,6 +105,12 @@ def test_a_scale_that_is_no_factor_is_refused(tmp_path: Path, scale: str) -> Non
         read_column_map(tmp_path / "map.toml")
 
 
+def test_a_file_that_is_not_there_is_answered_with_its_neighbours(tmp_path: Path) -> None:
+    (tmp_path / "bench.csv").write_text("")
+    with pytest.raises(RecordingError, match=r'^there is no such file; did you mean "bench\.csv"\?$'), refusing(RecordingError):
+        text_of(tmp_path / "benc.csv")
+
+
 def test_what_json_says() -> None:
     assert json_value('{"a": [1, null]}') == {"a": [1, None]}
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from exo_sim.errors import RecordingError, nearest, printable
+from exo_sim.errors import RecordingError, misspelt, nearest, printable
 from exo_sim.inputs import check_regular
 from exo_sim.recording import clock_repair
 from exo_sim.recording.column_map import ColumnMap, read_column_map
@@ -54,7 +54,7 @@ def read(path: str | Path, column_map: str | Path | ColumnMap | None = None) -> 
     """
     path = Path(path)
     if not path.exists():
-        raise RecordingError(f'"{path}": there is no such recording')
+        raise RecordingError(f'"{path}": there is no such recording{misspelt(path)}')
     foreign = read_column_map(column_map) if isinstance(column_map, str | Path) else column_map
     try:
         check_regular(path)

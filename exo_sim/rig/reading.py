@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from exo_sim import units
-from exo_sim.errors import RigError
+from exo_sim.errors import RigError, misspelt
 from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.rig.effect_tables import read_effects
 from exo_sim.rig.schema import (
@@ -63,7 +63,7 @@ def parse_table(table: Table, text: str) -> Rig:
     name = table.text("name", default=path.stem)
     model = path.parent / table.text("model")
     if not _is_file(model):
-        raise RigError(f'{path}: model = "{table.values["model"]}": no such MJCF file beside the rig')
+        raise RigError(f'{path}: model = "{table.values["model"]}": no such MJCF file beside the rig{misspelt(model)}')
     environment = _environment(table)
     gas = table.table("gas", required=False)
     r, k = 287.05, 1.4

@@ -15,7 +15,7 @@ from exo_sim.conventions import acting, commands, joint_units, missing_valves, p
 from exo_sim.conventions.check import Check
 from exo_sim.conventions.machine import Machine
 from exo_sim.errors import RecordingError
-from exo_sim.recording.data_quality_finding import Finding
+from exo_sim.recording.data_quality_finding import Finding, Use
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
@@ -73,11 +73,15 @@ def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
     return Settled(recording, tuple(checks))
 
 
+def _use(check: Check) -> Use:
+    return "set aside" if check.what in _GONE else "used" if check.left else "repaired"
+
+
 def findings(settled: Settled) -> list[Finding]:
     """Return checks as what `inspect` lists."""
     return [
         Finding(check.columns[0], check.what, check.says, severity="fault", use="used")
         if check.refused
-        else Finding(check.columns[0], check.what, check.says, severity="warning", use="set aside" if check.what in _GONE else "repaired")
+        else Finding(check.columns[0], check.what, check.says, severity="warning", use=_use(check))
         for check in settled.checks
     ]

@@ -37,7 +37,7 @@ def in_order(name: str, time: NDArray[np.float64]) -> tuple[NDArray[np.intp] | s
             raise RecordingError(f'"{name}": column "time" holds no numbers')
         count, first = int(missing.sum()), int(np.argmax(missing))
         rows = rows[~missing]
-        says = f'"time" has no number in {_rows(count)}, first row {first + 1}; they were dropped'
+        says = f'"time" has no number in {in_rows(count)}, first row {first + 1}; dropped'
         findings.append(Finding("time", "clock", says, severity="warning", use="repaired"))
     steps = np.diff(time[rows])
     if len(steps) and (steps > _least(steps)).all():
@@ -67,7 +67,7 @@ def _increasing(
     if (~later).mean() <= MOST_LOST:
         says = (
             f'"time" steps back {_times(len(back))}, first at {where}; '
-            f"{_rows(int((~later).sum()))} not later than one before were dropped"
+            f"{in_rows(int((~later).sum()))} not later than one before: dropped"
         )
         findings.append(Finding("time", "clock", says, times=times, severity="warning", use="repaired"))
         mended = np.flatnonzero(np.diff(np.flatnonzero(later)) > 1)
@@ -75,7 +75,7 @@ def _increasing(
     edges = np.concatenate(([0], back + 1, [len(rows)]))
     longest = int(np.argmax(np.diff(edges)))
     piece = slice(edges[longest], edges[longest + 1])
-    kept = f"{_rows(edges[longest + 1] - edges[longest])} from row {rows[piece][0] + 1} on"
+    kept = f"{in_rows(edges[longest + 1] - edges[longest])} from row {rows[piece][0] + 1} on"
     says = (
         f'"time" steps back {_times(len(back))}, first at {where}: several recordings in one file; '
         f"the longest was kept ({kept}), the others set aside"
@@ -99,14 +99,15 @@ def _say_repeated(
 ) -> None:
     at = np.flatnonzero(repeated)
     says = (
-        f'"time" stands still in {_rows(len(at))}, first row {rows[at[0]] + 1} ({clock[at[0]]:.6g} s); '
+        f'"time" stands still in {in_rows(len(at))}, first row {rows[at[0]] + 1} ({clock[at[0]]:.6g} s); '
         "only the first of each was kept"
     )
     times = tuple((float(clock[i]), float(clock[i])) for i in at[:MOST_SPANS])
     findings.append(Finding("time", "clock", says, times=times, severity="warning", use="repaired"))
 
 
-def _rows(count: int) -> str:
+def in_rows(count: int) -> str:
+    """Return a number of rows in words."""
     return f"{count} row" if count == 1 else f"{count} rows"
 
 

@@ -16,7 +16,7 @@ TIME = "time"
 #: Longest heading that is read, in characters.
 LONGEST = 300
 _HEADING = re.compile(r"^\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*$")
-_SPELLINGS = {"°": "deg", "°C": "degC", "Nm": "N*m", "N m": "N*m", "N·m": "N*m", "-": "1", "": "1"}
+_SPELLINGS = {"-": "1", "": "1"}
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,8 @@ def _column(heading: str, name: str, unit: str | None, allowed: tuple[str, ...])
             refusals.append(error)
             continue
         return Column(heading, name, si_unit, scale, offset)
-    raise UnitError(f'column "{heading}": {refusals[0]}')
+    scaled = f'; a column map can say how many are one: {{ column = "{name}", scale = 0.1 }}' if allowed == ("1",) else ""
+    raise UnitError(f'column "{heading}": {refusals[0]}{scaled}')
 
 
 def heading(key: str, unit: str) -> str:

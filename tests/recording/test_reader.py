@@ -89,7 +89,10 @@ def test_temperatures_have_an_offset(tmp_path: Path) -> None:
         ("time [s],p.pressure_1 [Pa]\n" + numbered(20, "{i},on\n"), "holds words"),
         ("time [s],p.pressure_1 [Pa]\n" + numbered(20, "{i},nan\n"), "no column beside the time holds a number"),
         ("time [s],p.pressure_1 [Pa]\n" + numbered(20, "nan,{i}\n"), "holds no numbers"),
-        ("time [s],p.pressure_1 [Pa]\n0,1\n1,2\n", "2 usable rows"),
+        ("time [s],p.pressure_1 [Pa]\n0,1\n1,2\n", "2 usable rows; at least 10 are needed"),
+        ("time [s],p.pressure_1 [Pa]\n" + "7,1\n3,1\n" * 20, "2 usable rows of 40; at least 10 are needed"),
+        ("time [s],p.pressure_1 [Pa]\n" + "7,1\n3,1\n" * 20, "; sort the rows by time"),
+        ("time [s] p.pressure_1 [Pa]\n" + numbered(20, "{i} {i}\n"), "line 2 holds 2 numbers with blanks between"),
         (b"\0\1\2", "not text"),
         (b"\xff\xfet\0", "UTF-16"),
     ],
@@ -102,6 +105,19 @@ def test_what_cannot_be_read_is_one_line(tmp_path: Path, text: str | bytes, says
     assert says in message
     assert "\n" not in message
     assert "bench.csv" in message
+
+
+def test_a_column_without_a_name_is_left_out_with_a_note(tmp_path: Path) -> None:
+    found = read(file(tmp_path, "time [s],p.pressure_1 [Pa],\n" + numbered(20, "{i},{i},\n"))).findings
+    assert [(one.says, one.severity) for one in found] == [("column 3 has no name; it was left out", "info")]
+
+
+def test_one_row_is_said_in_the_singular(tmp_path: Path) -> None:
+    found = read(file(tmp_path, "time [s],p.pressure_1 [Pa]\n" + numbered(20) + "nan,1\n20,1e400\n")).findings
+    assert [one.says for one in found] == [
+        '"time" has no number in 1 row, first row 21; dropped',
+        '"p.pressure_1" is infinite, or more than any sensor reads, in 1 row, first row 21; taken as missing',
+    ]
 
 
 @pytest.mark.parametrize("name", ["no.csv", "no.rrd", "no.parquet"])

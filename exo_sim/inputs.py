@@ -18,6 +18,8 @@ from exo_sim.errors import misspelt
 MOST_TEXT = 20_000_000
 #: What the reader of TOML says where a text goes on beyond its line.
 _OPEN_QUOTE = re.compile(r"Illegal character '\\n' \(at line (\d+)")
+#: How it names a table.
+_KEYS, _KEY = re.compile(r"\((?:'[^']*'(?:, |,)?)+\)"), re.compile("'([^']*)'")
 #: TOML's own bound: whole numbers have 64 bits.
 _MOST_NUMBER = 2**63
 
@@ -117,6 +119,7 @@ def _said(words: str) -> str:
         return f"a quote is not closed in line {found[1]}"
     if words.startswith("Expected \"'\""):
         return "a single quote (') is not closed"
+    words = _KEYS.sub(lambda found: "[" + ".".join(_KEY.findall(found[0])) + "]", words)
     return f"{words[0].lower()}{words[1:]}"
 
 

@@ -33,10 +33,11 @@ def test_what_is_no_toml_is_one_sentence(text: str, tmp_path: Path) -> None:
     ("text", "says"),
     [
         ('a = 1\nb = "x\nc = 2\n', "is not TOML: a quote is not closed in line 2"),
+        ("[a.b]\n[a.b]\n", r"is not TOML: cannot declare \[a\.b\] twice \(at line 2, column 5\)"),
         ("a = 'x\n", r"is not TOML: a single quote \('\) is not closed"),
     ],
 )
-def test_an_open_quote_is_called_so(text: str, says: str) -> None:
+def test_what_is_no_toml_is_said_in_its_own_terms(text: str, says: str) -> None:
     with pytest.raises(ValueError, match=f"^{says}$"):
         toml(text)
 

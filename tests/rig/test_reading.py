@@ -75,6 +75,7 @@ def test_numbers_and_names_that_cannot_be(old: str, new: str, says: str) -> None
 @pytest.mark.parametrize(
     ("effects", "says"),
     [
+        ('[effects.my_leak.piston]\narea = "1 mm^2"', "my_leak is not an effect; .*; one of your own is named in EXO_SIM_EFFECTS"),
         ('[effects.coulomb_frction.piston]\nforce = "1 N"', "coulomb_frction is not an effect; did you mean .coulomb_friction"),
         ('[effects.wall_heat_transfer.pistn]\nconductance = "1 W/K"', "pistn.*did you mean .piston"),
         ('[effects.coulomb_friction.slid]\nforce = "1 N"', "slid.*did you mean .slide"),

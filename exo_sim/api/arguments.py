@@ -56,7 +56,7 @@ def quantity(value: Quantity, unit: str, name: str, low: float = -math.inf, high
 
 
 def rig_of(rig: RigLike | None) -> Rig:
-    """Return a rig; None is the worn machine that comes with the package.
+    """Return a rig; a path may be the name of an included machine, None is the worn machine that comes with the package.
 
     Raises:
         RigError: it cannot be read, or is no rig.
@@ -67,7 +67,13 @@ def rig_of(rig: RigLike | None) -> Rig:
         return Rig.of(rig)
     if not isinstance(rig, str | os.PathLike):
         raise RigError(f"a rig is a path or exo.Rig, not a {type(rig).__name__}")
-    return Rig.load(rig)
+    return Rig.load(rig_file(rig))
+
+
+def rig_file(rig: str | os.PathLike[str]) -> Path:
+    """Return the path of a rig: a file, or where there is no such file that of an included machine of this name, as on the command line."""
+    path = Path(rig)
+    return Rig.included(str(rig)).path if str(rig) in Rig.names() and not path.exists() else path
 
 
 def payload_of(machine: Rig, payload: Quantity | None) -> float:

@@ -44,10 +44,14 @@ class Rig(schema.Rig):
         Raises:
             RigError: there is none of this name.
         """
-        names = sorted(path.stem for path in _INCLUDED.glob("*.toml"))
-        if name not in names:
-            raise RigError(f'no included machine "{name}"{nearest(name, names)}')
+        if name not in cls.names():
+            raise RigError(f'no included machine "{name}"{nearest(name, cls.names())}')
         return cls.load(_INCLUDED / f"{name}.toml")
+
+    @staticmethod
+    def names() -> list[str]:
+        """Return the names of the machines that come with the package."""
+        return sorted(path.stem for path in _INCLUDED.glob("*.toml"))
 
     @classmethod
     def parse(cls, text: str, folder: str | os.PathLike[str] = ".") -> Rig:
@@ -133,7 +137,8 @@ class Rig(schema.Rig):
         return f"rig {self.name}\n{table(self._rows())}"
 
     def __repr__(self) -> str:
-        return f"<exo.Rig {self.name}: {len(self.cylinders)} cylinders, {len(self.effects)} effects, {self.path}>"
+        held = f"{_many(len(self.cylinders), 'cylinder')}, {_many(len(self.effects), 'effect')}"
+        return f"<exo.Rig {self.name}: {held}, {self.path}>"
 
     def _repr_html_(self) -> str:
         return html_table(self._rows(), caption=f"rig {self.name}")
@@ -146,3 +151,7 @@ def _numbers(setting: schema.EffectSetting) -> str:
     shown = [f"{name} {value:g} {effect.parameter(name).unit_at(setting.turning)}".removesuffix(" 1")
              for name, value in setting.parameters.items()]  # fmt: skip
     return ", ".join(shown + [f"{name}: {len(values)} points" for name, values in setting.curves.items()])
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"

@@ -16,6 +16,7 @@ from exo_sim.recording import table
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.reader import Reading, read
 from exo_sim.rig import schema
+from exo_sim.rig.included_machines import rig_file
 
 #: A path, or what stands in such a file.
 RigLike = str | os.PathLike[str] | schema.Rig
@@ -68,12 +69,6 @@ def rig_of(rig: RigLike | None) -> Rig:
     if not isinstance(rig, str | os.PathLike):
         raise RigError(f"a rig is a path or exo.Rig, not a {type(rig).__name__}")
     return Rig.load(rig_file(rig))
-
-
-def rig_file(rig: str | os.PathLike[str]) -> Path:
-    """Return the path of a rig: a file, or where there is no such file that of an included machine of this name, as on the command line."""
-    path = Path(rig)
-    return Rig.included(str(rig)).path if str(rig) in Rig.names() and not path.exists() else path
 
 
 def payload_of(machine: Rig, payload: Quantity | None) -> float:

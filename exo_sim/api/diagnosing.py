@@ -12,7 +12,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from exo_sim.api.arguments import Columns, Quantity, RecordingLike, RigLike, columns_of, quantity, reading_of, rig_file, rig_of
+from exo_sim.api.arguments import Columns, Quantity, RecordingLike, RigLike, columns_of, quantity, reading_of, rig_of
 from exo_sim.api.notebook import html_table
 from exo_sim.api.rig import Rig
 from exo_sim.diagnosis import findings as records
@@ -21,6 +21,7 @@ from exo_sim.errors import OutputError, RecordingError
 from exo_sim.inputs import text_of
 from exo_sim.plain_text import json_text
 from exo_sim.recording.table import Recording
+from exo_sim.rig.included_machines import rig_file
 
 if TYPE_CHECKING:
     from exo_sim.api.figure import Picture

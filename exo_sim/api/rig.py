@@ -12,11 +12,10 @@ from exo_sim.api.notebook import html_table
 from exo_sim.errors import RigError, nearest
 from exo_sim.plain_text import table
 from exo_sim.rig import changing, improved_text, reading, schema
+from exo_sim.rig.included_machines import included_machines
 
 if TYPE_CHECKING:
     import mujoco
-
-_INCLUDED = Path(__file__).resolve().parents[1] / "assets"
 
 
 @dataclass(frozen=True, repr=False)
@@ -44,14 +43,10 @@ class Rig(schema.Rig):
         Raises:
             RigError: there is none of this name.
         """
-        if name not in cls.names():
-            raise RigError(f'no included machine "{name}"{nearest(name, cls.names())}')
-        return cls.load(_INCLUDED / f"{name}.toml")
-
-    @staticmethod
-    def names() -> list[str]:
-        """Return the names of the machines that come with the package."""
-        return sorted(path.stem for path in _INCLUDED.glob("*.toml"))
+        machines = included_machines()
+        if name not in machines:
+            raise RigError(f'no included machine "{name}"{nearest(name, machines)}')
+        return cls.load(machines[name])
 
     @classmethod
     def parse(cls, text: str, folder: str | os.PathLike[str] = ".") -> Rig:

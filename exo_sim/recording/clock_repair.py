@@ -7,10 +7,13 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError
 from exo_sim.recording.data_quality_finding import MOST_SPANS, Finding
+from exo_sim.recording.instants import instant
 
 #: A clock that jumps back so far that more than this share of the rows would be lost is taken for two recordings in one
 #: file, and the longest is kept.
 MOST_LOST = 0.1
+#: A clock that stands still in more than this share of the rows has steps that its digits do not show.
+COARSE = 0.4
 #: A step this small, relative to the usual one, is none.
 STANDSTILL = 1e-6
 
@@ -63,7 +66,8 @@ def _increasing(
         return rows[later], ()
     first = back[0]
     times = tuple((float(clock[at + 1]), float(clock[at])) for at in back[:MOST_SPANS])
-    where = f"row {rows[first] + 1 + 1} ({clock[first]:.6g} s to {clock[first + 1]:.6g} s)"
+    before, after = (instant(float(clock[at]), float(clock.min()), float(clock.max())) for at in (first, first + 1))
+    where = f"row {rows[first] + 1 + 1} ({before} s to {after} s)"
     if (~later).mean() <= MOST_LOST:
         says = (
             f'"time" steps back {_times(len(back))}, first at {where}; '
@@ -98,10 +102,9 @@ def _say_repeated(
     clock: NDArray[np.float64], rows: NDArray[np.intp], repeated: NDArray[np.bool_], findings: list[Finding]
 ) -> None:
     at = np.flatnonzero(repeated)
-    says = (
-        f'"time" stands still in {in_rows(len(at))}, first row {rows[at[0]] + 1} ({clock[at[0]]:.6g} s); '
-        "only the first of each was kept"
-    )
+    when = instant(float(clock[at[0]]), float(clock[0]), float(clock[-1]))
+    coarse = "; was it written with too few digits?" if len(at) > COARSE * len(clock) else ""
+    says = f'"time" stands still in {in_rows(len(at))}, first row {rows[at[0]] + 1} ({when} s); only the first of each was kept{coarse}'
     times = tuple((float(clock[i]), float(clock[i])) for i in at[:MOST_SPANS])
     findings.append(Finding("time", "clock", says, times=times, severity="warning", use="repaired"))
 

@@ -1,6 +1,7 @@
 """Recordings as real ones are: what can be read is read and said, what cannot is refused in one line."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -293,3 +294,13 @@ def test_a_folder_is_refused_with_what_to_do(tmp_path: Path) -> None:
 def test_a_question_in_a_finding_ends_its_sentence(tmp_path: Path) -> None:
     found = read(file(tmp_path, HEADING.replace("\n", ",p.presure_2 [Pa]\n") + BODY.replace("\n", ",1\n"))).findings
     assert [one.says.endswith('did you mean "pressure_2" or "pressure_1"? The column was set aside') for one in found] == [True]
+
+
+@pytest.mark.parametrize("unit", ["s", "ms", "us", "ns"])
+@pytest.mark.parametrize("kind", [pa.timestamp, pa.duration], ids=["timestamps", "durations"])
+def test_a_parquet_clock_may_be_of_timestamps_or_durations(tmp_path: Path, kind: Callable[[str], pa.DataType], unit: str) -> None:
+    ticks = {"s": 1, "ms": 1000, "us": 1_000_000, "ns": 1_000_000_000}[unit]
+    begun = 1_700_000_000 if kind is pa.timestamp else 0
+    time = pa.array([(begun + i) * ticks for i in range(20)], pa.int64()).cast(kind(unit))
+    parquet.write_table(pa.table({"time [s]": time, "p.pressure_1 [Pa]": [1e5 + i for i in range(20)]}), tmp_path / "bench.parquet")
+    np.testing.assert_allclose(read(tmp_path / "bench.parquet").recording.time, np.arange(20.0), rtol=1e-15, atol=0.0)

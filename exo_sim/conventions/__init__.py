@@ -20,7 +20,7 @@ from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
 #: Checks after which a column is not used.
-_GONE = ("part", "command", "valve")
+_GONE = ("part", "command", "valve", "valve kind")
 
 __all__ = ["Check", "Settled", "findings", "settle"]
 
@@ -62,8 +62,9 @@ def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
     """As `settle`, but refuses nothing: for those who want to hear all that is wrong."""
     machine, checks = Machine.of(rig, model), []
     steps = (
-        unknown_parts.known, missing_valves.without_one, joint_units.of_their_kind, pressures.in_pascal, pressures.absolute,
-        acting.as_recorded, positions.in_place, signs.in_order, commands.that_open, commands.in_time,
+        unknown_parts.known, missing_valves.without_one, missing_valves.of_another_kind, joint_units.of_their_kind,
+        pressures.in_pascal, pressures.absolute, acting.as_recorded, positions.in_place, signs.in_order, commands.that_open,
+        commands.in_time,
     )  # fmt: skip
     for step in steps:
         recording, found = step(recording, machine)

@@ -12,7 +12,7 @@ class Check:
 
     Attributes:
         what: One word or two for machines: "gauge", "unit", "swapped chambers", "turned valve", "stroke", "sign", "acting", "command",
-            "late command", "part", "column", "unread", "valve".
+            "late command", "part", "column", "unread", "valve", "valve kind".
         columns: Which columns it is about.
         says: The question, and what was done or must be done, in one plain sentence.
         refused: True where nothing sensible can be computed until it is answered.

@@ -35,6 +35,7 @@ _LIKELY = {
 #: Names of pressures that may say whether they count from the atmosphere or from nothing.
 _PRESSURE = r"(?:[hkm]?pa|m?bar|psi|atm|torr)"
 _GAUGE = re.compile(rf"\b{_PRESSURE}[\s_]*\(?\s*(?:g|ga|rel|relative|ü)(?!\w)|\bgau?ge\b", re.IGNORECASE)
+_COUNTS_IN = re.compile(rf"\s*({_PRESSURE})", re.IGNORECASE)
 _ABSOLUTE = re.compile(rf"\b({_PRESSURE})[\s_]*(?:a|abs|absolute|\(\s*(?:a|abs|absolute)\.?\s*\))\s*$", re.IGNORECASE)
 #: Units that are often written in the wrong case, or by another sign, by what they are written as in lower case.
 _MEANT = {
@@ -51,6 +52,12 @@ _DECIMAL_COMMA = re.compile(r"^\s*([-+]?\d*),(\d.*?)\s*$")
 def is_gauge(unit: str) -> bool:
     """Return True for a pressure unit counted from the atmosphere, like "psig" or "bar gauge"."""
     return _GAUGE.search(unit) is not None
+
+
+def without_gauge(unit: str) -> str:
+    """Return the unit that a gauge unit counts in: "psi" for "psig"; "bar" where none is recognised."""
+    found = _COUNTS_IN.match(unit)
+    return found[1] if found else "bar"
 
 
 @cache

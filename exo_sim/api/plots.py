@@ -30,7 +30,7 @@ def panels(recordings: Sequence[tuple[str, Recording]], signals: Sequence[str] |
         RecordingError: a signal is not there.
     """
     first = recordings[0][1]
-    groups: dict[tuple[str, str, bool], list[str]] = {}  # the wearer's joints apart from the machine's: nine lines and six have a legend each
+    groups: dict[tuple[str, str, bool], list[str]] = {}  # the wearer's joints apart from the machine's: each panel has room for a legend
     for key in _chosen(first, signals):
         groups.setdefault((key.rsplit(".", 1)[1], first.units[key], key.startswith(_WEARER)), []).append(key)
     shown = list(groups.items())[:_MOST_PANELS]

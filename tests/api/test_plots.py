@@ -27,5 +27,5 @@ def test_the_wearers_joints_have_a_panel_of_their_own_and_every_line_a_name() ->
 
 
 def test_a_signal_that_was_not_recorded_is_asked_about() -> None:
-    with pytest.raises(RecordingError, match='no signal "hip_l.positon" was recorded; did you mean "hip_l.position"'):
+    with pytest.raises(RecordingError, match=r'no signal "hip_l\.positon" was recorded; did you mean "hip_l\.position"'):
         panels([("", walk())], ["hip_l.positon"])

@@ -141,9 +141,10 @@ class Rig(schema.Rig):
 
 def _numbers(setting: schema.EffectSetting) -> str:
     from exo_sim.physics.declaration import declared
+    from exo_sim.rig.effect_text import unit_of
 
     effect = declared()[setting.name]
-    shown = [f"{name} {value:g} {effect.parameter(name).unit_at(setting.turning)}".removesuffix(" 1")
+    shown = [f"{name} {value:g} {unit_of(effect.parameter(name), setting)}".removesuffix(" 1")
              for name, value in setting.parameters.items()]  # fmt: skip
     return ", ".join(shown + [f"{name}: {len(values)} points" for name, values in setting.curves.items()])
 

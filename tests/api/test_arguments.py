@@ -35,3 +35,11 @@ def test_a_recording_that_is_handed_in_twice_is_refused(tmp_path: Path) -> None:
         (tmp_path / name).write_text("time [s],piston.pressure_1 [Pa]\n0,1\n")
     with pytest.raises(RecordingError, match=r'one\.csv" and .*two\.csv" are the same recording; hand in each once'):
         exo.diagnose([tmp_path / "one.csv", tmp_path / "two.csv"], "bench")
+
+
+def test_a_rig_shows_its_effects_in_the_units_of_what_they_act_on() -> None:
+    bench = exo.Rig.included("bench")
+    key = ("effects", "sensor_bias", "slide.external_force", "value")
+    shown = bench.changed({("effects", "sensor_bias", "piston.pressure_1", "value"): "2 kPa", key: "3 N*m"})
+    assert "sensor_bias at piston.pressure_1  " in str(shown) and "value 2000 Pa" in str(shown)
+    assert "value 3 N*m" in str(shown)

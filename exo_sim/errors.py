@@ -8,6 +8,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterable
+from pathlib import Path
 
 #: The longest line that an error becomes, in characters.
 LONGEST_LINE = 1000
@@ -70,8 +71,21 @@ def nearest(name: str, choices: Iterable[str]) -> str:
     """Return `; did you mean "a" or "b"?` for a misspelt name, else `; there is: a, b, c`, or "" with no choices."""
     known = sorted(choices)
     if close := near(name, known):
-        return "; did you mean " + " or ".join(f'"{match}"' for match in close) + "?"
+        return _asked(close)
     return "; there is: " + ", ".join(known) if known else ""
+
+
+def misspelt(path: Path) -> str:
+    """Return `; did you mean "bench.csv"?` for a file that is not there where its folder has one of nearly that name, else ""."""
+    try:
+        found = near(path.name, [entry.name for entry in path.parent.iterdir()])
+    except OSError:
+        found = []
+    return _asked(found)
+
+
+def _asked(names: list[str]) -> str:
+    return "; did you mean " + " or ".join(f'"{name}"' for name in names) + "?" if names else ""
 
 
 def printable(text: str) -> str:

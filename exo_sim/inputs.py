@@ -12,10 +12,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from exo_sim.errors import misspelt
+
 #: Bytes of a text beyond which it is refused.
 MOST_TEXT = 20_000_000
 #: What the reader of TOML says where a text goes on beyond its line.
 _OPEN_QUOTE = re.compile(r"Illegal character '\\n' \(at line (\d+)")
+#: How it names a table.
+_KEYS, _KEY = re.compile(r"\((?:'[^']*'(?:, |,)?)+\)"), re.compile("'([^']*)'")
 #: TOML's own bound: whole numbers have 64 bits.
 _MOST_NUMBER = 2**63
 
@@ -26,15 +30,15 @@ def refusing(refuse: Callable[[str], Exception], missing: str = "there is no suc
 
     Args:
         refuse: Makes it of a few words that say what is wrong.
-        missing: Those words where there is no such file.
+        missing: Those words where there is no such file; what it may be misspelt for is added.
 
     Raises:
         Exception: what `refuse` made, of a `FileNotFoundError`, `OSError` or `ValueError` inside.
     """
     try:
         yield
-    except FileNotFoundError:
-        raise refuse(missing) from None
+    except FileNotFoundError as error:
+        raise refuse(missing + (misspelt(Path(error.filename)) if error.filename else "")) from None
     except OSError as error:
         raise refuse(f"cannot be read: {error.strerror or error}") from None
     except ValueError as error:
@@ -115,6 +119,7 @@ def _said(words: str) -> str:
         return f"a quote is not closed in line {found[1]}"
     if words.startswith("Expected \"'\""):
         return "a single quote (') is not closed"
+    words = _KEYS.sub(lambda found: "[" + ".".join(_KEY.findall(found[0])) + "]", words)
     return f"{words[0].lower()}{words[1:]}"
 
 

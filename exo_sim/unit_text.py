@@ -7,11 +7,19 @@ import re
 from exo_sim.errors import UnitError
 
 _HIGH = "⁰¹²³⁴-⁹"
+_DEGREES = r"[°º]\s?[CF](?!\w)|[°º℃]|deg\s[CF](?!\w)"
 _TOKEN = re.compile(
-    rf"\s*(?:(?P<name>[^\W\d{_HIGH}][^\W{_HIGH}]*|%)"
+    rf"\s*(?:(?P<name>{_DEGREES}|[^\W\d{_HIGH}][^\W{_HIGH}]*|%)"
     rf"|(?P<power>(?:\*\*|\^)\s*[-+]?\d(?!\d)|[⁻⁺]?[{_HIGH}])"
-    r"|(?P<times>[*·⋅])|(?P<over>/)|(?P<sign>[()1]))"
+    r"|(?P<times>[*·⋅.]|(?<=[A-Za-z])-(?=[A-Za-z]))|(?P<over>/)|(?P<sign>[()1]))"
 )
+#: Names without a sign between them, and signs for names.
+_TOGETHER: dict[str, dict[str, int]] = {
+    "Nm": {"N": 1, "m": 1}, "Nmm": {"N": 1, "mm": 1}, "Ncm": {"N": 1, "cm": 1}, "kNm": {"kN": 1, "m": 1},
+    "°": {"deg": 1}, "º": {"deg": 1}, "℃": {"degC": 1},
+}  # fmt: skip
+#: A name with its power behind it, as in "mm2" and "m/s2".
+_POWERED = re.compile(r"([A-Za-zµμ]+)([234])")
 _RAISED = str.maketrans("⁻⁺⁰¹²³⁴⁵⁶⁷⁸⁹", "-+0123456789")
 #: Largest power that a unit may have once brackets are resolved.
 _MOST = 9
@@ -63,7 +71,7 @@ def _factor(unit: str, tokens: Tokens) -> tuple[dict[str, int], Tokens]:
         raise UnitError(f'cannot read the unit "{unit}": a name is missing')
     (kind, text), tokens = tokens[0], tokens[1:]
     if kind == "name":
-        factor = {text: 1}
+        factor = _named(text)
     elif text == "1":
         factor = {}
     else:
@@ -75,3 +83,11 @@ def _factor(unit: str, tokens: Tokens) -> tuple[dict[str, int], Tokens]:
         raised = int(tokens[0][1].translate(_RAISED).lstrip("*^ "))
         factor, tokens = {name: raised * power for name, power in factor.items()}, tokens[1:]
     return factor, tokens
+
+
+def _named(text: str) -> dict[str, int]:
+    if text in _TOGETHER:
+        return dict(_TOGETHER[text])
+    if found := _POWERED.fullmatch(text):
+        return {found[1]: int(found[2])}
+    return {f"deg{text[-1]}" if text[0] in "°º" or " " in text else text: 1}

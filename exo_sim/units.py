@@ -32,13 +32,32 @@ _LIKELY = {
     "m": ("mm", 3.0, math.inf), "Pa": ("bar", 0.01, 1e3), "m^2": ("mm^2", 1e-2, math.inf), "m^3": ("l", 0.05, math.inf),
     "K": ("degC", -math.inf, 150.0), "rad": ("deg", 3.2, math.inf),
 }  # fmt: skip
-_GAUGE = re.compile(r"\b(psig|barg|bar\s*\(g\)|bar\s+gauge|kpag|mpag|pag)(?![a-z])|\bgauge\b", re.IGNORECASE)
+#: Names of pressures that may say whether they count from the atmosphere or from nothing.
+_PRESSURE = r"(?:[hkm]?pa|m?bar|psi|atm|torr)"
+_GAUGE = re.compile(rf"\b{_PRESSURE}[\s_]*\(?\s*(?:g|ga|rel|relative|ü)(?!\w)|\bgau?ge\b", re.IGNORECASE)
+_COUNTS_IN = re.compile(rf"\s*({_PRESSURE})", re.IGNORECASE)
+_ABSOLUTE = re.compile(rf"\b({_PRESSURE})[\s_]*(?:a|abs|absolute|\(\s*(?:a|abs|absolute)\.?\s*\))\s*$", re.IGNORECASE)
+#: Units that are often written in the wrong case, or by another sign, by what they are written as in lower case.
+_MEANT = {
+    **{unit.lower(): unit for unit in ("Pa", "hPa", "kPa", "MPa", "bar", "mbar", "psi", "atm", "N", "kN", "kg")},
+    **{unit.lower(): unit for unit in ("m", "cm", "mm", "in", "s", "ms", "rad", "deg", "K", "degC", "degF")},
+    "sek": "s", "c": "degC", "f": "degF", "nm": "N*m",
+}  # fmt: skip
 _QUANTITY = re.compile(r"^\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*$")
+#: What TOML calls that which Python calls otherwise.
+_KINDS: dict[type, str] = {dict: "table"}
+_DECIMAL_COMMA = re.compile(r"^\s*([-+]?\d*),(\d.*?)\s*$")
 
 
 def is_gauge(unit: str) -> bool:
     """Return True for a pressure unit counted from the atmosphere, like "psig" or "bar gauge"."""
     return _GAUGE.search(unit) is not None
+
+
+def without_gauge(unit: str) -> str:
+    """Return the unit that a gauge unit counts in: "psi" for "psig"; "bar" where none is recognised."""
+    found = _COUNTS_IN.match(unit)
+    return found[1] if found else "bar"
 
 
 @cache
@@ -59,12 +78,14 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
         raise UnitError(f'unit "{unit[:20]}..." has {len(unit)} characters; write it like "{si_unit}"')
     if is_gauge(unit):
         raise UnitError(f'unit "{unit}" is gauge; pressures are absolute: add the atmosphere and write "Pa" or "bar"')
+    given, unit = unit, _ABSOLUTE.sub(r"\1", unit)
     if unit in ("", "1") or si_unit == "1":
         if unit in ("", "1") and si_unit == "1":
             return 1.0, 0.0
         if unit == "%" and si_unit == "1":
             return 0.01, 0.0
-        raise UnitError(f'unit "{unit or "(none)"}" cannot be converted to "{si_unit}"')
+        share = "; a number without unit, or with %, is wanted" if si_unit == "1" else ""
+        raise UnitError(f'unit "{unit or "(none)"}" cannot be converted to "{si_unit}"{share}')
     common, wanted = _in_common_units(unit), _in_common_units(si_unit)
     if common is not None and wanted is not None and common[1] == wanted[1]:
         return float(f"{common[0] / wanted[0]:.15g}"), 0.0
@@ -76,13 +97,29 @@ def scale_and_offset(unit: str, si_unit: str) -> tuple[float, float]:
         zero = registry.Quantity(0.0, plain).to(si_unit).magnitude
         one = registry.Quantity(1.0, plain).to(si_unit).magnitude
     except pint.UndefinedUnitError:
-        raise UnitError(f'unknown unit "{unit}"; write it like "{si_unit}"') from None
+        raise UnitError(f'unknown unit "{given}"; {_meant(given, si_unit)}') from None
     except pint.DimensionalityError:
-        raise UnitError(f'unit "{unit}" is not a unit of this kind; write it like "{si_unit}"') from None
+        raise UnitError(f'unit "{given}" is not a unit of this kind; {_meant(given, si_unit)}') from None
     except Exception:
-        raise UnitError(f'cannot read the unit "{unit}"; write it like "{si_unit}"') from None
+        raise UnitError(f'cannot read the unit "{given}"; write it like "{si_unit}"') from None
     # exact decimal scales (1 cm^3 is 1e-06, not 1.0000000000000002e-06)
     return float(f"{one - zero:.15g}"), float(f"{zero:.15g}")
+
+
+def _meant(unit: str, si_unit: str) -> str:
+    """Return what to write in place of a unit: that of the same letters and of the kind wanted, if there is one."""
+    likely = _MEANT.get(unit.lower(), unit)
+    if likely != unit and _fits(likely, si_unit):
+        return f'did you mean "{likely}"?'
+    return f'write it like "{si_unit}"'
+
+
+def _fits(unit: str, si_unit: str) -> bool:
+    try:
+        scale_and_offset(unit, si_unit)
+    except UnitError:
+        return False
+    return True
 
 
 def _in_common_units(unit: str) -> tuple[float, tuple[int, ...]] | None:
@@ -108,6 +145,8 @@ def split(text: str, si_unit: str = "m") -> tuple[float, str]:
     match = _QUANTITY.match(text)
     if match is None:
         raise UnitError(f'"{one_line(text)}" is not a quantity; write {_example(si_unit)}')
+    if found := _DECIMAL_COMMA.match(text):
+        raise UnitError(f'"{one_line(text)}" has a comma; decimals begin with a point, as in "{found[1]}.{found[2]}"')
     return float(match.group(1)), match.group(2)
 
 
@@ -126,7 +165,7 @@ def parse(text: object, si_unit: str) -> float:
         UnitError: no number, no unit, not finite, of a magnitude that no machine has, or a unit that cannot be `si_unit`.
     """
     if isinstance(text, bool) or not isinstance(text, int | float | str):
-        shown = str(text) if isinstance(text, bool) else f"a {type(text).__name__}"
+        shown = str(text).lower() if isinstance(text, bool) else f"a {_KINDS.get(type(text), type(text).__name__)}"
         raise UnitError(f'{shown} is not a quantity; write it like "1 {si_unit}"')
     if isinstance(text, str):
         value, unit = split(text, si_unit)
@@ -149,7 +188,7 @@ def parse(text: object, si_unit: str) -> float:
 
 def _likely(number: float, si_unit: str) -> str:
     unit, low, high = _LIKELY.get(si_unit, (si_unit, 0.0, 0.0))
-    return unit if low <= number <= high else si_unit
+    return unit if low <= (number if unit == "degC" else abs(number)) <= high else si_unit
 
 
 def is_of(text: object, si_unit: str) -> bool:

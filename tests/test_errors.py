@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from pathlib import Path
+
 from exo_sim import errors
 
 
@@ -21,3 +23,9 @@ def test_every_error_has_the_status_of_the_contract() -> None:
     kinds = [kind for kind in vars(errors).values() if isinstance(kind, type) and issubclass(kind, errors.ExoSimError)]
     assert {kind.exit_status for kind in kinds if kind is not errors.Diverged} == {2}
     assert errors.Diverged.exit_status == 5
+
+
+def test_a_file_that_is_not_there_is_answered_with_its_neighbours(tmp_path: Path) -> None:
+    (tmp_path / "bench.csv").write_text("")
+    assert errors.misspelt(tmp_path / "bnch.csv") == '; did you mean "bench.csv"?'
+    assert errors.misspelt(tmp_path / "quite_another.csv") == errors.misspelt(tmp_path / "nowhere" / "bench.csv") == ""

@@ -33,10 +33,11 @@ def test_what_is_no_toml_is_one_sentence(text: str, tmp_path: Path) -> None:
     ("text", "says"),
     [
         ('a = 1\nb = "x\nc = 2\n', "is not TOML: a quote is not closed in line 2"),
+        ("[a.b]\n[a.b]\n", r"is not TOML: cannot declare \[a\.b\] twice \(at line 2, column 5\)"),
         ("a = 'x\n", r"is not TOML: a single quote \('\) is not closed"),
     ],
 )
-def test_an_open_quote_is_called_so(text: str, says: str) -> None:
+def test_what_is_no_toml_is_said_in_its_own_terms(text: str, says: str) -> None:
     with pytest.raises(ValueError, match=f"^{says}$"):
         toml(text)
 
@@ -103,6 +104,12 @@ def test_a_scale_that_is_no_factor_is_refused(tmp_path: Path, scale: str) -> Non
     (tmp_path / "map.toml").write_text(f'[columns]\n"a" = {{ column = "p.pressure_1 [Pa]", scale = {scale} }}\n')
     with pytest.raises(RecordingError, match=r"scale and offset must be numbers|columns\.a\.scale is a number of too many digits: 401"):
         read_column_map(tmp_path / "map.toml")
+
+
+def test_a_file_that_is_not_there_is_answered_with_its_neighbours(tmp_path: Path) -> None:
+    (tmp_path / "bench.csv").write_text("")
+    with pytest.raises(RecordingError, match=r'^there is no such file; did you mean "bench\.csv"\?$'), refusing(RecordingError):
+        text_of(tmp_path / "benc.csv")
 
 
 def test_what_json_says() -> None:

@@ -12,7 +12,7 @@ import pytest
 THROUGH: dict[str, tuple[str, ...]] = {
     "api/test_api.py": (
         "api/comparing.py", "api/diagnosing.py", "api/doctor.py", "api/effects.py", "api/errors.py",
-        "api/inspecting.py", "api/model_logging.py", "api/notebook.py", "api/plots.py", "api/recording.py",
+        "api/inspecting.py", "api/model_logging.py", "api/notebook.py", "api/recording.py",
         "api/rig.py", "api/simulated.py", "api/simulating.py", "api/sizing.py", "cli/doctor.py",
     ),
     "cli/test_size.py": (

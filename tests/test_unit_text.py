@@ -12,7 +12,8 @@ from exo_sim.unit_text import powers
     ("unit", "found"),
     [("J/(kg K)", {"J": 1, "kg": -1, "K": -1}), ("J/kg K", {"J": 1, "kg": -1, "K": 1}), ("m^3/(s Pa)", {"m": 3, "s": -1, "Pa": -1}),
      ("m**2", {"m": 2}), ("m²·s⁻¹", {"m": 2, "s": -1}), ("1/s", {"s": -1}), ("(N m)^2", {"N": 2, "m": 2}), ("%", {"%": 1}),
-     ("m/m", {"m": 0})],
+     ("m/m", {"m": 0}), ("Nm/rad", {"N": 1, "m": 1, "rad": -1}), ("N-m", {"N": 1, "m": 1}), ("m/s2", {"m": 1, "s": -2}),
+     ("°C", {"degC": 1}), ("º/s", {"deg": 1, "s": -1})],
 )  # fmt: skip
 def test_each_name_has_its_power(unit: str, found: dict[str, int]) -> None:
     assert powers(unit) == found

@@ -28,6 +28,14 @@ from exo_sim.errors import UnitError
         ("-3e-2m", "m", -0.03),
         ("3 %", "1", 0.03),
         (1.4, "1", 1.4),
+        ("20 °C", "K", 293.15),
+        ("20 deg C", "K", 293.15),
+        ("180 °", "rad", math.pi),
+        ("12 cm3", "m^3", 1.2e-5),
+        ("9.81 m/s2", "m/s^2", 9.81),
+        ("3 Nm", "N*m", 3.0),
+        ("3 N.m", "N*m", 3.0),
+        ("3 N-m", "N*m", 3.0),
     ],
 )
 def test_text_is_read_as_si(text: object, si_unit: str, value: float) -> None:
@@ -39,6 +47,10 @@ def test_text_is_read_as_si(text: object, si_unit: str, value: float) -> None:
     [
         ("5 barg", "Pa", "gauge"),
         ("5 bar gauge", "Pa", "gauge"),
+        ("7,5 bar", "Pa", 'decimals begin with a point, as in "7.5 bar"'),
+        ("20 C", "K", 'did you mean "degC"'),
+        ("-90", "rad", 'like "-90 deg"'),
+        ({}, "m", "a table is not a quantity"),
         ("60 psig", "Pa", "gauge"),
         ("32", "m", "no unit"),
         (32, "m", "no unit"),
@@ -73,6 +85,30 @@ def test_what_cannot_be_read_is_one_line_that_says_why(text: object, si_unit: st
     with pytest.raises(UnitError, match=says) as caught:
         units.parse(text, si_unit)
     assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("unit", ["psig", "psi g", "psi(g)", "bar (g)", "barü", "bar rel", "kPa gage", "MPa_g"])
+def test_a_gauge_unit_says_that_it_is_gauge_however_it_is_written(unit: str) -> None:
+    with pytest.raises(UnitError, match="is gauge"):
+        units.parse(f"5 {unit}", "Pa")
+
+
+@pytest.mark.parametrize(
+    ("unit", "same"), [("psia", "psi"), ("bara", "bar"), ("bar(a)", "bar"), ("bar abs", "bar"), ("kPa (abs.)", "kPa")]
+)
+def test_a_unit_that_says_absolute_is_what_is_wanted(unit: str, same: str) -> None:
+    assert not units.is_gauge(unit)
+    assert units.parse(f"5 {unit}", "Pa") == units.parse(f"5 {same}", "Pa")
+
+
+@pytest.mark.parametrize(
+    ("unit", "si_unit", "meant"),
+    [("PA", "Pa", "Pa"), ("BAR", "Pa", "bar"), ("kpa", "Pa", "kPa"), ("S", "s", "s"), ("MM", "m", "mm"), ("PSI", "m", None)],
+)
+def test_a_unit_in_the_wrong_case_is_asked_about(unit: str, si_unit: str, meant: str | None) -> None:
+    with pytest.raises(UnitError) as caught:
+        units.scale_and_offset(unit, si_unit)
+    assert str(caught.value).endswith(f'did you mean "{meant}"?' if meant else f'write it like "{si_unit}"')
 
 
 MAGNITUDES = st.floats(1e-45, 1e29)

@@ -16,6 +16,7 @@ from exo_sim.recording import table
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.reader import Reading, read
 from exo_sim.rig import schema
+from exo_sim.rig.included_machines import rig_file
 
 #: A path, or what stands in such a file.
 RigLike = str | os.PathLike[str] | schema.Rig
@@ -56,7 +57,7 @@ def quantity(value: Quantity, unit: str, name: str, low: float = -math.inf, high
 
 
 def rig_of(rig: RigLike | None) -> Rig:
-    """Return a rig; None is the worn machine that comes with the package.
+    """Return a rig; a path may be the name of an included machine, None is the worn machine that comes with the package.
 
     Raises:
         RigError: it cannot be read, or is no rig.
@@ -67,7 +68,7 @@ def rig_of(rig: RigLike | None) -> Rig:
         return Rig.of(rig)
     if not isinstance(rig, str | os.PathLike):
         raise RigError(f"a rig is a path or exo.Rig, not a {type(rig).__name__}")
-    return Rig.load(rig)
+    return Rig.load(rig_file(rig))
 
 
 def payload_of(machine: Rig, payload: Quantity | None) -> float:

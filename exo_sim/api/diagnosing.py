@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import filecmp
 import math
 import os
 import time
@@ -20,6 +21,7 @@ from exo_sim.errors import OutputError, RecordingError
 from exo_sim.inputs import text_of
 from exo_sim.plain_text import json_text
 from exo_sim.recording.table import Recording
+from exo_sim.rig.included_machines import rig_file
 
 if TYPE_CHECKING:
     from exo_sim.api.figure import Picture
@@ -183,7 +185,8 @@ def diagnose(
     if not handed_in:
         raise RecordingError("no recording was given")
     cases = [Path(one) if isinstance(one, str | os.PathLike) else reading_of(one) for one in handed_in]
-    nominal = Path(rig) if isinstance(rig, str | os.PathLike) else rig_of(rig)
+    _refuse_twice([one for one in cases if isinstance(one, Path)])
+    nominal = rig_file(rig) if isinstance(rig, str | os.PathLike) else rig_of(rig)
     beside = (nominal if isinstance(nominal, Path) else nominal.path).parent
     folder = beside if out is None else Path(out)
     column_map = columns_of(columns)
@@ -210,3 +213,11 @@ def refuse_own_rig(folder: Path, rig: Path) -> None:
     improved = folder / FILES["improved"][0]
     if improved.exists() and rig.exists() and improved.samefile(rig):
         raise OutputError(f'cannot write "{improved}": it is the rig that was handed in; name another folder with --out')
+
+
+def _refuse_twice(paths: list[Path]) -> None:
+    """Refuse a file that is handed in twice, or a copy of it: it would count twice, and tighten every interval."""
+    for at, path in enumerate(paths):
+        for other in paths[:at]:
+            if path.is_file() and other.is_file() and filecmp.cmp(path, other, shallow=False):
+                raise RecordingError(f'"{other}" and "{path}" are the same recording; hand in each once')

@@ -15,6 +15,8 @@ from exo_sim.report.amounts import shown_in
 #: Panels and samples a line that a figure has at most.
 _MOST_PANELS, _MOST_SAMPLES = 12, 20_000
 _STYLES = ("-", "--", ":")
+#: What the parts of the person are called.
+_WEARER = "wearer_"
 
 
 def panels(recordings: Sequence[tuple[str, Recording]], signals: Sequence[str] | None = None) -> Picture:
@@ -28,13 +30,13 @@ def panels(recordings: Sequence[tuple[str, Recording]], signals: Sequence[str] |
         RecordingError: a signal is not there.
     """
     first = recordings[0][1]
-    groups: dict[tuple[str, str], list[str]] = {}
+    groups: dict[tuple[str, str, bool], list[str]] = {}  # the wearer's joints apart from the machine's: each panel has room for a legend
     for key in _chosen(first, signals):
-        groups.setdefault((key.rsplit(".", 1)[1], first.units[key]), []).append(key)
+        groups.setdefault((key.rsplit(".", 1)[1], first.units[key], key.startswith(_WEARER)), []).append(key)
     shown = list(groups.items())[:_MOST_PANELS]
     figure = Picture(figsize=(9.0, 1.0 + 1.7 * len(shown)), layout="constrained")
     axes = figure.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
-    for panel, ((_, unit), keys) in zip(axes, shown):
+    for panel, ((_, unit, of_wearer), keys) in zip(axes, shown):
         largest = max((float(np.nanmax(np.abs(first[key]))) for key in keys if np.isfinite(first[key]).any()), default=1.0)
         name, size = shown_in(unit, largest)
         for i, key in enumerate(keys):
@@ -44,7 +46,7 @@ def panels(recordings: Sequence[tuple[str, Recording]], signals: Sequence[str] |
                     every = max(1, len(values) // _MOST_SAMPLES)
                     panel.plot(recording.time[::every], values[::every] / size, style, color=f"C{i % 10}", lw=1.0,
                                label=f"{part}, {label}" if label else part)  # fmt: skip
-        panel.set_title(signal_of(keys[0]).label, loc="left", fontsize=9)
+        panel.set_title(signal_of(keys[0]).label + (", wearer" if of_wearer else ""), loc="left", fontsize=9)
         panel.set_ylabel(name)
         if len(keys) * len(recordings) <= 12:
             panel.legend(fontsize=7, loc="upper right", ncols=min(4, len(keys) * len(recordings)))

@@ -12,11 +12,10 @@ from exo_sim.api.notebook import html_table
 from exo_sim.errors import RigError, nearest
 from exo_sim.plain_text import table
 from exo_sim.rig import changing, improved_text, reading, schema
+from exo_sim.rig.included_machines import included_machines
 
 if TYPE_CHECKING:
     import mujoco
-
-_INCLUDED = Path(__file__).resolve().parents[1] / "assets"
 
 
 @dataclass(frozen=True, repr=False)
@@ -44,10 +43,10 @@ class Rig(schema.Rig):
         Raises:
             RigError: there is none of this name.
         """
-        names = sorted(path.stem for path in _INCLUDED.glob("*.toml"))
-        if name not in names:
-            raise RigError(f'no included machine "{name}"{nearest(name, names)}')
-        return cls.load(_INCLUDED / f"{name}.toml")
+        machines = included_machines()
+        if name not in machines:
+            raise RigError(f'no included machine "{name}"{nearest(name, machines)}')
+        return cls.load(machines[name])
 
     @classmethod
     def parse(cls, text: str, folder: str | os.PathLike[str] = ".") -> Rig:
@@ -133,7 +132,8 @@ class Rig(schema.Rig):
         return f"rig {self.name}\n{table(self._rows())}"
 
     def __repr__(self) -> str:
-        return f"<exo.Rig {self.name}: {len(self.cylinders)} cylinders, {len(self.effects)} effects, {self.path}>"
+        held = f"{_many(len(self.cylinders), 'cylinder')}, {_many(len(self.effects), 'effect')}"
+        return f"<exo.Rig {self.name}: {held}, {self.path}>"
 
     def _repr_html_(self) -> str:
         return html_table(self._rows(), caption=f"rig {self.name}")
@@ -141,8 +141,13 @@ class Rig(schema.Rig):
 
 def _numbers(setting: schema.EffectSetting) -> str:
     from exo_sim.physics.declaration import declared
+    from exo_sim.rig.effect_text import unit_of
 
     effect = declared()[setting.name]
-    shown = [f"{name} {value:g} {effect.parameter(name).unit_at(setting.turning)}".removesuffix(" 1")
+    shown = [f"{name} {value:g} {unit_of(effect.parameter(name), setting)}".removesuffix(" 1")
              for name, value in setting.parameters.items()]  # fmt: skip
     return ", ".join(shown + [f"{name}: {len(values)} points" for name, values in setting.curves.items()])
+
+
+def _many(count: int, what: str) -> str:
+    return f"{count} {what}" if count == 1 else f"{count} {what}s"

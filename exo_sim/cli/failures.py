@@ -58,8 +58,17 @@ def _line_and_status(error: BaseException) -> tuple[str, int]:
         return f"the package {error.name} is not installed; install exo-sim again with all that it needs (exo-sim doctor lists it)", 2
     if isinstance(error, MemoryError):
         return "out of memory; ask for fewer strides, trials or jobs at once", 2
+    if type(error).__module__.startswith("numba") and (own := _own_effects()):
+        said = next((line for line in str(error).splitlines() if line.strip() and not line.startswith("Failed in")), "")
+        return f"no machine code can be made with effects of your own ({own}): {said}; write them with what numba knows", 2
     detail = f"{type(error).__name__}: {error}".rstrip(": ")
     return f"{detail} (a fault of exo-sim, not of your input; --debug shows where)", OUR_FAULT
+
+
+def _own_effects() -> str:
+    from exo_sim.physics import external_effects
+
+    return ", ".join(source.label for source in external_effects.sources())
 
 
 def _usage(error: click.UsageError) -> str:

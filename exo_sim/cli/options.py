@@ -7,7 +7,7 @@ from typing import Any
 
 import click
 
-from exo_sim.errors import UnitError, nearest
+from exo_sim.errors import UnitError, misspelt, nearest
 
 
 class Quantity(click.ParamType):
@@ -73,9 +73,7 @@ class InputFile(click.Path):
         if not path.exists():
             if path.is_symlink():
                 self.fail(f'"{path}" is a link that leads to no file; name the file itself', param, ctx)
-            neighbours = [entry.name for entry in path.parent.iterdir()] if path.parent.is_dir() else []
-            hint = nearest(path.name, neighbours)
-            self.fail(f'there is no file "{path}"{hint if "mean" in hint else ""}', param, ctx)
+            self.fail(f'there is no file "{path}"{misspelt(path)}', param, ctx)
         return path
 
 

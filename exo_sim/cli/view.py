@@ -45,10 +45,12 @@ def _moment(recording: Path, columns: Path | None, at: float | None) -> float:
     """Return the moment to show, by itself the middle; refuse one that was not recorded: the viewer would show an empty scene."""
     from exo_sim.errors import RecordingError
     from exo_sim.recording import read
+    from exo_sim.recording.instants import instant
 
     time = read(recording, columns).recording.time
     if at is None:
         return float(0.5 * (time[0] + time[-1]))
     if not time[0] <= at <= time[-1]:
-        raise RecordingError(f'--at {at:g}: "{recording}" goes from {time[0]:g} to {time[-1]:g} s')
+        asked, first, last = (instant(float(each), float(time[0]), float(time[-1])) for each in (at, time[0], time[-1]))
+        raise RecordingError(f'--at {asked}: "{recording}" goes from {first} to {last} s')
     return at

@@ -15,12 +15,12 @@ from exo_sim.conventions import acting, commands, joint_units, missing_valves, p
 from exo_sim.conventions.check import Check
 from exo_sim.conventions.machine import Machine
 from exo_sim.errors import RecordingError
-from exo_sim.recording.data_quality_finding import Finding
+from exo_sim.recording.data_quality_finding import Finding, Use
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
 #: Checks after which a column is not used.
-_GONE = ("part", "command", "valve")
+_GONE = ("part", "command", "valve", "valve kind")
 
 __all__ = ["Check", "Settled", "findings", "settle"]
 
@@ -62,8 +62,9 @@ def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
     """As `settle`, but refuses nothing: for those who want to hear all that is wrong."""
     machine, checks = Machine.of(rig, model), []
     steps = (
-        unknown_parts.known, missing_valves.without_one, joint_units.of_their_kind, pressures.in_pascal, pressures.absolute,
-        acting.as_recorded, positions.in_place, signs.in_order, commands.that_open, commands.in_time,
+        unknown_parts.known, missing_valves.without_one, missing_valves.of_another_kind, joint_units.of_their_kind,
+        pressures.in_pascal, pressures.absolute, acting.as_recorded, positions.in_place, signs.in_order, commands.that_open,
+        commands.in_time,
     )  # fmt: skip
     for step in steps:
         recording, found = step(recording, machine)
@@ -73,11 +74,15 @@ def asked(recording: Recording, rig: Rig, model: mujoco.MjModel) -> Settled:
     return Settled(recording, tuple(checks))
 
 
+def _use(check: Check) -> Use:
+    return "set aside" if check.what in _GONE else "used" if check.left else "repaired"
+
+
 def findings(settled: Settled) -> list[Finding]:
     """Return checks as what `inspect` lists."""
     return [
         Finding(check.columns[0], check.what, check.says, severity="fault", use="used")
         if check.refused
-        else Finding(check.columns[0], check.what, check.says, severity="warning", use="set aside" if check.what in _GONE else "repaired")
+        else Finding(check.columns[0], check.what, check.says, severity="warning", use=_use(check))
         for check in settled.checks
     ]

@@ -12,11 +12,12 @@ class Check:
 
     Attributes:
         what: One word or two for machines: "gauge", "unit", "swapped chambers", "turned valve", "stroke", "sign", "acting", "command",
-            "late command", "part", "column", "unread", "valve".
+            "late command", "part", "column", "unread", "valve", "valve kind".
         columns: Which columns it is about.
         says: The question, and what was done or must be done, in one plain sentence.
         refused: True where nothing sensible can be computed until it is answered.
         value: By how much it is off, in SI, where that is known; 0 elsewhere.
+        left: True where nothing was done: the column is used as it is.
         meant: The column that it was evidently meant to be, where nothing reads it under its name; else "".
     """
 
@@ -24,6 +25,7 @@ class Check:
     columns: tuple[str, ...]
     says: str
     refused: bool = False
+    left: bool = False
     meant: str = ""
     value: float = 0.0
 

@@ -110,7 +110,7 @@ def absolute(recording: Recording, machine: Machine) -> tuple[Recording, list[Ch
             f"{named(gauge)}: gauge? It behaves as if counted from the atmosphere, and the other chambers do not; left as it is, "
             "as one sensor's fault"
         )
-        return recording, [Check("gauge", gauge, says)]
+        return recording, [Check("gauge", gauge, says, left=True)]
     # a supply alone that is off by the atmosphere is the rig's number, or a sensor's fault, unless chambers stand above it
     lifted = (*chambers, *shared) if gauge else shared if _above(recording, machine) else tuple(k for k in shared if k != "supply.pressure")
     if not lifted:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 import os
 from collections import OrderedDict
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +21,7 @@ from exo_sim.errors import Diverged, ScenarioError, nearest
 from exo_sim.machine.person import SEGMENTS
 from exo_sim.machine.wearer_moments import extra_moments
 from exo_sim.rig import Rig
+from exo_sim.rig.included_machines import rig_file
 from exo_sim.simulation.external_commands import Stepper
 from exo_sim.simulation.loop import person_along
 from exo_sim.simulation.walk import JOINTS, Request, Walk, default_rig, layout
@@ -46,7 +46,7 @@ class Episode:
 
     Args:
         scenario: Name of a scenario or path of a scenario file.
-        rig: The worn machine, or its file; the one that comes with the package when None.
+        rig: The worn machine, its file, or the name of an included one; the one that comes with the package when None.
         payload: On the back: kilograms, or text with a unit.
         speed: Factor on the recorded cadence, or text like "1.3 m/s".
         actions: "torques": of hips and knees and of powered ankles, 1 is `TORQUE`, made by the model-based valve controller; "valves":
@@ -71,7 +71,7 @@ class Episode:
     ) -> None:  # fmt: skip
         if actions not in ACTIONS:
             raise ScenarioError(f'actions "{actions}"{nearest(actions, ACTIONS)}')
-        machine = rig if isinstance(rig, Rig) else rigs.read(Path(rig) if rig is not None else default_rig())
+        machine = rig if isinstance(rig, Rig) else rigs.read(rig_file(rig) if rig is not None else default_rig())
         mass = float(payload) if isinstance(payload, int | float) else units.parse(payload, "kg")
         request = Request(scenario, payload=mass, speed=speed, cycles=10000, controller="environment", driven=actions)
         self.simulation = Simulation(machine, request)

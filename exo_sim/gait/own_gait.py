@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from exo_sim.errors import ScenarioError
+from exo_sim.errors import ScenarioError, misspelt
 from exo_sim.gait import contact_fit, fourier, strides, whole_trial
 from exo_sim.gait.angle_signs import counted_as_machine
 from exo_sim.gait.recorded_gait import RecordedGait
@@ -167,7 +167,7 @@ def read(gait: GaitFile) -> tuple[Trial, GroundForce | None]:
     from exo_sim.gait.files import c3d, opensim_motion, table
 
     if not gait.path.exists():
-        raise ScenarioError(f'"{gait.path}": there is no such gait file')
+        raise ScenarioError(f'"{gait.path}": there is no such gait file{misspelt(gait.path)}')
     ending, ground = gait.path.suffix.lower(), None
     if ending in (".mot", ".sto"):
         trial = opensim_motion.read_angles(gait.path, gait.named)
@@ -179,7 +179,7 @@ def read(gait: GaitFile) -> tuple[Trial, GroundForce | None]:
         raise ScenarioError(f'"{gait.path}": a gait ends in .mot, .sto, .c3d, .csv, .parquet or .rrd, not in "{ending}"')
     if gait.ground is not None:
         if not gait.ground.exists():
-            raise ScenarioError(f'"{gait.ground}": there is no such file of ground forces')
+            raise ScenarioError(f'"{gait.ground}": there is no such file of ground forces{misspelt(gait.ground)}')
         kind = gait.ground.suffix.lower()
         ground = (opensim_motion if kind in (".mot", ".sto") else c3d if kind == ".c3d" else table).read_ground(gait.ground)
     return _part(trial, gait), ground

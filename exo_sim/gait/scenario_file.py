@@ -86,9 +86,7 @@ def read(path: str | Path) -> Scenario:
         ScenarioError: one line that names the file, the key, the value and what to do.
     """
     path = Path(path)
-    beside = [entry.name for entry in path.parent.glob("*.toml")] if path.parent.is_dir() else []
-    hint = nearest(path.name, beside)
-    with refusing(lambda says: ScenarioError(f"{path}: {says}"), f"there is no such scenario file{hint if 'mean' in hint else ''}"):
+    with refusing(lambda says: ScenarioError(f"{path}: {says}"), "there is no such scenario file"):
         values = toml(text_of(path))
     _only(path, "", values, ("summary", "strides", "wearer", "speed", "grade", "hung", "added", "variation", *_MAKERS))
     made_by = [key for key in _MAKERS if key in values]

@@ -16,7 +16,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from exo_sim.errors import ModelError
+from exo_sim.errors import ModelError, misspelt
 
 #: Environment variable with the files, separated as in PATH; processes started from this one see it too.
 VARIABLE = "EXO_SIM_EFFECTS"
@@ -70,7 +70,8 @@ def files() -> list[Path]:
     named = [Path(name) for name in os.environ.get(VARIABLE, "").split(os.pathsep) if name]
     for path in named:
         if not path.is_file():
-            raise ModelError(f"{VARIABLE}: {path}: there is no such file")
+            what = "it is a folder: name the files in it" if path.is_dir() else f"there is no such file{misspelt(path)}"
+            raise ModelError(f"{VARIABLE}: {path}: {what}")
     return [path.resolve() for path in named]
 
 

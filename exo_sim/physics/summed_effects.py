@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from exo_sim.physics import settling
 from exo_sim.physics.declaration import declared
+from exo_sim.physics.external_effects_off import check_external_effects
 from exo_sim.physics.terms import ACROSS_FLOW, DAMPING, DRY_EXCESS, DRY_FRICTION, HEAT_FLOW, OUTWARD_FLOW, SPRING_FORCE
 
 declared()  # with this every effect has said what it adds
+check_external_effects()
 
 outward_flow = OUTWARD_FLOW.total("cylinder")
 across_flow = ACROSS_FLOW.total("cylinder")

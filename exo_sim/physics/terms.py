@@ -64,6 +64,10 @@ class Term:
 
         return enter
 
+    def function(self, effect: str) -> Function | None:
+        """Return what an effect adds here, compiled; None where it adds nothing."""
+        return self._functions[effect][1] if effect in self._functions else None
+
     def effects(self) -> set[str]:
         """Return the names of the effects that add something here."""
         return set(self._functions)

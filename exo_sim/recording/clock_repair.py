@@ -7,10 +7,13 @@ from numpy.typing import NDArray
 
 from exo_sim.errors import RecordingError
 from exo_sim.recording.data_quality_finding import MOST_SPANS, Finding
+from exo_sim.recording.instants import instant
 
 #: A clock that jumps back so far that more than this share of the rows would be lost is taken for two recordings in one
 #: file, and the longest is kept.
 MOST_LOST = 0.1
+#: A clock that stands still in more than this share of the rows has steps that its digits do not show.
+COARSE = 0.4
 #: A step this small, relative to the usual one, is none.
 STANDSTILL = 1e-6
 
@@ -37,7 +40,7 @@ def in_order(name: str, time: NDArray[np.float64]) -> tuple[NDArray[np.intp] | s
             raise RecordingError(f'"{name}": column "time" holds no numbers')
         count, first = int(missing.sum()), int(np.argmax(missing))
         rows = rows[~missing]
-        says = f'"time" has no number in {_rows(count)}, first row {first + 1}; they were dropped'
+        says = f'"time" has no number in {in_rows(count)}, first row {first + 1}; dropped'
         findings.append(Finding("time", "clock", says, severity="warning", use="repaired"))
     steps = np.diff(time[rows])
     if len(steps) and (steps > _least(steps)).all():
@@ -63,11 +66,12 @@ def _increasing(
         return rows[later], ()
     first = back[0]
     times = tuple((float(clock[at + 1]), float(clock[at])) for at in back[:MOST_SPANS])
-    where = f"row {rows[first] + 1 + 1} ({clock[first]:.6g} s to {clock[first + 1]:.6g} s)"
+    before, after = (instant(float(clock[at]), float(clock.min()), float(clock.max())) for at in (first, first + 1))
+    where = f"row {rows[first] + 1 + 1} ({before} s to {after} s)"
     if (~later).mean() <= MOST_LOST:
         says = (
             f'"time" steps back {_times(len(back))}, first at {where}; '
-            f"{_rows(int((~later).sum()))} not later than one before were dropped"
+            f"{in_rows(int((~later).sum()))} not later than one before: dropped"
         )
         findings.append(Finding("time", "clock", says, times=times, severity="warning", use="repaired"))
         mended = np.flatnonzero(np.diff(np.flatnonzero(later)) > 1)
@@ -75,7 +79,7 @@ def _increasing(
     edges = np.concatenate(([0], back + 1, [len(rows)]))
     longest = int(np.argmax(np.diff(edges)))
     piece = slice(edges[longest], edges[longest + 1])
-    kept = f"{_rows(edges[longest + 1] - edges[longest])} from row {rows[piece][0] + 1} on"
+    kept = f"{in_rows(edges[longest + 1] - edges[longest])} from row {rows[piece][0] + 1} on"
     says = (
         f'"time" steps back {_times(len(back))}, first at {where}: several recordings in one file; '
         f"the longest was kept ({kept}), the others set aside"
@@ -98,15 +102,15 @@ def _say_repeated(
     clock: NDArray[np.float64], rows: NDArray[np.intp], repeated: NDArray[np.bool_], findings: list[Finding]
 ) -> None:
     at = np.flatnonzero(repeated)
-    says = (
-        f'"time" stands still in {_rows(len(at))}, first row {rows[at[0]] + 1} ({clock[at[0]]:.6g} s); '
-        "only the first of each was kept"
-    )
+    when = instant(float(clock[at[0]]), float(clock[0]), float(clock[-1]))
+    coarse = "; was it written with too few digits?" if len(at) > COARSE * len(clock) else ""
+    says = f'"time" stands still in {in_rows(len(at))}, first row {rows[at[0]] + 1} ({when} s); only the first of each was kept{coarse}'
     times = tuple((float(clock[i]), float(clock[i])) for i in at[:MOST_SPANS])
     findings.append(Finding("time", "clock", says, times=times, severity="warning", use="repaired"))
 
 
-def _rows(count: int) -> str:
+def in_rows(count: int) -> str:
+    """Return a number of rows in words."""
     return f"{count} row" if count == 1 else f"{count} rows"
 
 

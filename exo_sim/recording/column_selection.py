@@ -63,7 +63,11 @@ def select(name: str, headings: Sequence[str], column_map: ColumnMap | None = No
         raise RecordingError(f"{name_of_file}: {asked} is not in it; there is: {there}")
     chosen: list[Column] = []
     findings: list[Finding] = []
-    for heading in headings:
+    for at, heading in enumerate(headings, 1):
+        if not heading.strip() and heading not in mapped:
+            says = f"column {at} has no name; it was left out"
+            findings.append(Finding(heading, "unknown column", says, severity="info", use="set aside"))
+            continue
         try:
             chosen.append(mapped[heading] if heading in mapped else columns.resolve(heading))
         except UnitError as error:

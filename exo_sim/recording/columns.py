@@ -16,7 +16,7 @@ TIME = "time"
 #: Longest heading that is read, in characters.
 LONGEST = 300
 _HEADING = re.compile(r"^\s*(?P<name>[^\[\]]*?)\s*(?:\[(?P<unit>[^\[\]]*)\])?\s*$")
-_SPELLINGS = {"°": "deg", "°C": "degC", "Nm": "N*m", "N m": "N*m", "N·m": "N*m", "-": "1", "": "1"}
+_SPELLINGS = {"-": "1", "": "1"}
 
 
 @dataclass(frozen=True)
@@ -110,7 +110,19 @@ def _column(heading: str, name: str, unit: str | None, allowed: tuple[str, ...])
             refusals.append(error)
             continue
         return Column(heading, name, si_unit, scale, offset)
-    raise UnitError(f'column "{heading}": {refusals[0]}')
+    if units.is_gauge(unit) and "Pa" in allowed:
+        raise UnitError(f'column "{heading}": {refusals[0]}{_lifted(name, units.without_gauge(unit))}')
+    scaled = f'; a column map can say how many are one: {{ column = "{name}", scale = 0.1 }}' if allowed == ("1",) else ""
+    raise UnitError(f'column "{heading}": {refusals[0]}{scaled}')
+
+
+def _lifted(name: str, unit: str) -> str:
+    """Return how a column map makes a gauge column absolute, with the standard atmosphere in its unit."""
+    try:
+        atmosphere = 101325.0 / units.scale_and_offset(unit, "Pa")[0]
+    except UnitError:  # in the wrong case
+        return ""
+    return f', or have a column map do it: {{ column = "{name} [{unit}]", offset = {atmosphere:.6g} }}'
 
 
 def heading(key: str, unit: str) -> str:

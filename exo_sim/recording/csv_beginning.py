@@ -61,6 +61,8 @@ def begin(path: Path, raw: bytes, encoding: str, column_map: ColumnMap | None) -
     among = [each for each in _DELIMITERS if each != decimal]
     delimiter = (column_map.delimiter if column_map else None) or max(among, key=lines[skipped].count)
     headings = _headings(path, lines[skipped], skipped, delimiter)
+    if len(headings) == 1 and not (column_map and column_map.delimiter):
+        _refuse_blanks(path, lines, skipped)
     if column_map and not column_map.header:
         headings = [str(number) for number in range(1, len(headings) + 1)]
         skipped -= 1
@@ -106,6 +108,13 @@ def _headings(path: Path, line: str, skipped: int, delimiter: str) -> list[str]:
     if len(headings) > _MOST_COLUMNS:
         raise RecordingError(f'"{path}": {len(headings)} columns; at most {_MOST_COLUMNS} are read: hand in those that matter')
     return headings
+
+
+def _refuse_blanks(path: Path, lines: list[str], at: int) -> None:
+    """Refuse a table whose cells are apart by blanks: a column's name holds one itself."""
+    below = next((line.split() for line in lines[at + 1 :] if line.strip()), [])
+    if len(below) > 1 and all(map(_is_numeric, below)):
+        raise RecordingError(f'"{path}": line {at + 2} holds {len(below)} numbers with blanks between; write commas, semicolons or tabs')
 
 
 def _refuse_preamble(

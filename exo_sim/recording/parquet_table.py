@@ -11,7 +11,7 @@ from exo_sim.errors import RecordingError, printable
 from exo_sim.recording import arrow_without_pandas
 from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.column_selection import RawTable, select
-from exo_sim.recording.columns import Column
+from exo_sim.recording.columns import TIME, Column
 from exo_sim.recording.lerobot_table import is_lerobot, read_lerobot
 
 _NOT_OURS = (b"pandas", b"ARROW:schema")
@@ -52,6 +52,7 @@ def read_parquet(path: Path, column_map: ColumnMap | None = None) -> RawTable:
 
 def _numbers(path: Path, file: object, column: Column) -> NDArray[np.float64]:
     import pyarrow as pa
+    from pyarrow import compute as pc
     from pyarrow import types
 
     try:
@@ -61,6 +62,9 @@ def _numbers(path: Path, file: object, column: Column) -> NDArray[np.float64]:
         raise RecordingError(f"{where} cannot be read: {_first_line(error)}; copy the file again") from None
     if types.is_duration(cells.type):
         cells, column = cells.cast(pa.int64()), _in_seconds(column, cells.type.unit)
+    elif types.is_timestamp(cells.type) and column.key == TIME and cells.null_count < len(cells):  # in whole ticks: sums would round
+        ticks = cells.cast(pa.int64())
+        cells, column = pc.subtract(ticks, pc.min(ticks)), _in_seconds(column, cells.type.unit)
     try:
         numbers = cells.cast(pa.float64(), safe=False).to_numpy()
     except pa.ArrowException:

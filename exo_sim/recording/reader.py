@@ -8,9 +8,10 @@ from pathlib import Path
 
 import numpy as np
 
-from exo_sim.errors import RecordingError, nearest, printable
+from exo_sim.errors import RecordingError, misspelt, nearest, printable
 from exo_sim.inputs import check_regular
 from exo_sim.recording import clock_repair
+from exo_sim.recording.clock_repair import in_rows
 from exo_sim.recording.column_map import ColumnMap, read_column_map
 from exo_sim.recording.column_selection import RawTable
 from exo_sim.recording.data_quality_finding import Finding
@@ -54,7 +55,7 @@ def read(path: str | Path, column_map: str | Path | ColumnMap | None = None) -> 
     """
     path = Path(path)
     if not path.exists():
-        raise RecordingError(f'"{path}": there is no such recording')
+        raise RecordingError(f'"{path}": there is no such recording{misspelt(path)}')
     foreign = read_column_map(column_map) if isinstance(column_map, str | Path) else column_map
     try:
         check_regular(path)
@@ -130,7 +131,10 @@ def tidy(path: Path, raw: RawTable) -> Reading:
     findings = [*raw.findings, *clock_findings]
     time = raw.time[kept]
     if len(time) < FEWEST_SAMPLES:
-        raise RecordingError(f'"{path}": {len(time)} usable rows; at least {FEWEST_SAMPLES} are needed')
+        of = f" of {len(raw.time)}" if len(raw.time) > len(time) else ""
+        why = f" ({clock_findings[0].says})" if clock_findings else ""
+        unsorted = "; sort the rows by time" if "steps back" in why and len(raw.time) >= FEWEST_SAMPLES else ""
+        raise RecordingError(f'"{path}": {len(time)} usable rows{of}; at least {FEWEST_SAMPLES} are needed{why}{unsorted}')
     usual = float(np.median(np.diff(time)))
     if not SHORTEST < usual < LONGEST:
         raise RecordingError(f'"{path}": the clock steps by {usual:.3g} s from row to row; is the unit of "time" right?')
@@ -141,7 +145,7 @@ def tidy(path: Path, raw: RawTable) -> Reading:
         if infinite.any():
             values = np.where(infinite, np.nan, values)
             count, first = int(infinite.sum()), int(np.argmax(infinite))
-            says = f'"{key}" is infinite, or more than any sensor reads, in {count} rows, first row {first + 1}; taken as missing'
+            says = f'"{key}" is infinite, or more than any sensor reads, in {in_rows(count)}, first row {first + 1}; taken as missing'
             findings.append(Finding(key, "infinite", says, severity="warning", use="repaired"))
         minute = (np.abs(values) < SMALLEST) & (values != 0.0)
         if minute.any():  # squares of such would be nothing, and their quotients no number

@@ -16,7 +16,7 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from exo_sim.errors import OutputError, RecordingError
+from exo_sim.errors import OutputError, RecordingError, misspelt
 from exo_sim.outputs import replacing
 
 
@@ -37,7 +37,7 @@ def take_picture(rrd: str | Path, png: str | Path, at: float | None = None, sett
 
     rrd = Path(rrd)
     if not rrd.is_file():
-        raise RecordingError(f'"{rrd}": there is no such recording')
+        raise RecordingError(f'"{rrd}": there is no such recording{misspelt(rrd)}')
     try:
         with _quiet_surroundings() as folder:
             viewer = ViewerClient.spawn(

@@ -6,6 +6,7 @@ import textwrap
 from collections.abc import Sequence
 from typing import Any
 
+from exo_sim.recording.instants import instant
 from exo_sim.recording.summary import Summary
 
 #: SI unit to the unit that is printed, and how many of these one SI unit is.
@@ -42,7 +43,8 @@ def text(summary: Summary, every_column: bool = False) -> str:
 
 
 def _head(head: dict[str, Any]) -> str:
-    begins = f", from {head['start_s']:.6g} s on" if head["start_s"] else ""
+    start = head["start_s"]
+    begins = f", from {instant(start, start, start + head['duration_s'])} s on" if start else ""
     return f"{head['name']}: {head['duration_s']:.4g} s, {head['samples']} samples, {head['rate_hz']:.4g} Hz{begins}"
 
 

@@ -135,11 +135,15 @@ def first_step(diagnosis: Diagnosis) -> str:
 def _to_put_right(diagnosis: Diagnosis) -> str:
     """Return what of the columns or of the rig is to be put right, for nothing could be made of a column, as a sentence; "" where none."""
     valveless = [check["columns"][0].rpartition(".")[0] for check in diagnosis.checks if check["what"] == "valve"]
+    kinds = [check["columns"][0].rpartition(".")[0] for check in diagnosis.checks if check["what"] == "valve kind"]
     unread = [f'"{column}"' for check in diagnosis.checks if check["what"] == "unread" for column in check["columns"]]
     blank = [f for f in diagnosis.effects if f.name == "sensor_scale" and not f.parameters and not f.where.endswith(".velocity")]
     if valveless:
         tables = joined([f"[cylinders.{name}.valve]" for name in valveless])
         return f"Write {tables} in rig.toml and diagnose again: commands were recorded, and the rig has no valve there."
+    if kinds:
+        tables = joined([f"[cylinders.{name}.valve]" for name in kinds])
+        return f"Put kind in {tables} of rig.toml right and diagnose again: the commands recorded are those of another kind of valve."
     if unread:
         columns, them = ("columns", "them") if len(unread) > 1 else ("column", "it")
         return f"Put {columns} {joined(unread)} right and diagnose again: this was found without {them}."

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from exo_sim import signals, units
-from exo_sim.errors import RigError, UnitError, nearest
+from exo_sim.errors import RigError, UnitError, near, nearest
 from exo_sim.physics.declaration import Effect, Parameter, declared
 from exo_sim.rig.schema import Cylinder, EffectSetting
 from exo_sim.rig.table import Table
@@ -37,7 +37,8 @@ def read_effects(table: Table | None, cylinders: Mapping[str, Cylinder]) -> tupl
                 f"{table.path}: effects.{name} is a nominal number of the rig, not an effect: change {CALIBRATIONS[name]} itself"
             )
         if name not in known:
-            raise RigError(f"{table.path}: effects.{name} is not an effect{nearest(name, known)}")
+            own = "" if near(name, known) else "; one of your own is named in EXO_SIM_EFFECTS (docs/add_an_effect.md)"
+            raise RigError(f"{table.path}: effects.{name} is not an effect{nearest(name, known)}{own}")
         group = table.table(name)
         assert group is not None
         for where, values in _places(group, known[name]):

@@ -6,10 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from exo_sim import units
-from exo_sim.errors import RigError
+from exo_sim.errors import RigError, misspelt
 from exo_sim.inputs import refusing, text_of, toml
 from exo_sim.rig.effect_tables import read_effects
 from exo_sim.rig.schema import (
+    COLDEST,
     LARGEST_HEAT_CAPACITY_RATIO,
     LARGEST_PRESSURE,
     Ankle,
@@ -63,7 +64,7 @@ def parse_table(table: Table, text: str) -> Rig:
     name = table.text("name", default=path.stem)
     model = path.parent / table.text("model")
     if not _is_file(model):
-        raise RigError(f'{path}: model = "{table.values["model"]}": no such MJCF file beside the rig')
+        raise RigError(f'{path}: model = "{table.values["model"]}": no such MJCF file beside the rig{misspelt(model)}')
     environment = _environment(table)
     gas = table.table("gas", required=False)
     r, k = 287.05, 1.4
@@ -137,7 +138,7 @@ def _environment(table: Table) -> Environment:
         return Environment()
     found = Environment(
         part.quantity("pressure", "Pa", default=101325.0, above=0.0, most=1e7),
-        part.quantity("temperature", "K", default=293.15, above=0.0, most=2000.0),
+        part.quantity("temperature", "K", default=293.15, above=COLDEST, most=2000.0),
     )
     part.done()
     return found
@@ -149,7 +150,7 @@ def _supply(table: Table, environment: Environment, needed: bool) -> Supply:
         return Supply(environment.pressure, environment.temperature)
     found = Supply(
         part.quantity("pressure", "Pa", above=0.0, most=LARGEST_PRESSURE),
-        part.quantity("temperature", "K", default=environment.temperature, above=0.0, most=2000.0),
+        part.quantity("temperature", "K", default=environment.temperature, above=COLDEST, most=2000.0),
     )
     part.done()
     if found.pressure < environment.pressure:

@@ -11,6 +11,8 @@ from exo_sim.errors import RigError
 
 #: cp/cv of no gas is more: that of one atom is 5/3.
 LARGEST_HEAT_CAPACITY_RATIO = 2.0
+#: Nobody's room, and no supply, is as cold [K]: what is written with fewer is in degC.
+COLDEST = 100.0
 #: Of a supply, and of chambers that are filled [Pa].
 LARGEST_PRESSURE = 1e9
 

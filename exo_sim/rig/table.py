@@ -35,6 +35,8 @@ class Table:
 
     def __init__(self, path: Path, key: str, values: Any, of: str = "a rig"):
         self.path, self.key, self.of = path, key, of
+        if isinstance(values, list) and values and all(isinstance(each, Mapping) for each in values):
+            raise RigError(f"{path}: [[{key}]] is a list of tables: write [{key}], once, above its keys")
         if not isinstance(values, Mapping):
             raise RigError(f"{path}: {key} = {values!r} must be a table: write [{key}] above its keys")
         self.values = values
@@ -51,7 +53,8 @@ class Table:
 
     def missing(self, key: str, what: str) -> RigError:
         """Return an error about a key that is not there."""
-        return RigError(f"{self.path}: {self.name(key)} is missing{_near(key, self.values, what)}")
+        unasked = [name for name in self.values if name not in self._asked]
+        return RigError(f"{self.path}: {self.name(key)} is missing{_near(key, unasked, what)}")
 
     def has(self, key: str) -> bool:
         """Return whether the key is there."""

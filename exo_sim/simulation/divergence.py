@@ -1,9 +1,9 @@
-"""What ends a simulation: a warning of MuJoCo, a number that is none, a machine that leaves its wearer."""
+"""What ends a simulation: a warning of MuJoCo, a number that is none, a piston far from its cylinder, a machine that leaves its wearer."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import mujoco
@@ -39,6 +39,23 @@ def check_numbers(data: mujoco.MjData, rows: Array, keys: Sequence[str], name: s
     finite = np.isfinite(rows).all(axis=0)
     if not finite.all():
         raise Diverged(f"{name}: {keys[int(np.argmin(finite))]} is not a number {when}; {advice}")
+
+
+def check_strokes(rows: Array, keys: Sequence[str], strokes: Mapping[str, float], name: str, when: str, advice: str) -> None:
+    """Refuse pistons farther outside their strokes than these are long: the stops of their joints hold them no more.
+
+    Args:
+        rows, keys, name, when, advice: As of `check_numbers`; `<cylinder>.length` counts from the end where the rod is fully in [m].
+        strokes: By cylinder [m].
+
+    Raises:
+        Diverged: there is one.
+    """
+    for cylinder, stroke in strokes.items():
+        outside = np.abs(rows[:, keys.index(f"{cylinder}.length")] - 0.5 * stroke) - 0.5 * stroke
+        if outside.max() > stroke:
+            far = f"{1e3 * outside.max():.4g} mm outside its stroke of {1e3 * stroke:g} mm"
+            raise Diverged(f"{name}: the piston of {cylinder} is {far} {when}; {advice}")
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from exo_sim.machine.rig_model import load
 from exo_sim.physics.conservation import Books
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
-from exo_sim.simulation.divergence import check_numbers
+from exo_sim.simulation.divergence import check_numbers, check_strokes
 from exo_sim.simulation.force_loops import ForceLoops
 from exo_sim.simulation.mujoco_calls import warnings_counted
 from exo_sim.simulation.plugin import PneumaticPlugin
@@ -223,4 +223,7 @@ class UnwornSimulation:
     def _check(self, rows: Array) -> None:
         when = f"by {self._step * self.dt:.3f} s"
         advice = "try a shorter timestep in the MJCF, or a slower motion"
-        check_numbers(self.data, rows, list(self._log.units), self.motion.name, when, advice)
+        keys, strokes = list(self._log.units), {cylinder.name: cylinder.stroke for cylinder in self.rig.cylinders.values()}
+        check_numbers(self.data, rows, keys, self.motion.name, when, advice)
+        advice += "; are its masses and the range of its joint right?"
+        check_strokes(rows, keys, strokes, self.motion.name, when, advice)

@@ -98,8 +98,8 @@ class Request:
                 raise ScenarioError(f'{name} "{value}"{nearest(value, choices)}')
         if self.driven and self.assist != "on":
             raise ScenarioError(f'assist "{self.assist}" holds the valves itself; a controller of your own needs assist "on"')
-        if self.cycles is not None and not 1 <= self.cycles <= 10000:
-            raise ScenarioError(f"{self.cycles} cycles: ask for 1 to 10000")
+        if self.cycles is not None and not (1 <= self.cycles <= 10000 and self.cycles == int(self.cycles)):
+            raise ScenarioError(f"{self.cycles} cycles: ask for 1 to 10000, whole ones")
 
     @property
     def moved_by(self) -> str:

@@ -22,8 +22,8 @@ ASSETS = Path(__file__).resolve().parents[2] / "assets"
 def answered(tmp_path, monkeypatch):
     """Return a function that sets what `diagnose` answers, and gives the list of what it was asked."""
     series = made_up.series()[0]
-    for name in ("monday", "tuesday"):
-        recording = Recording(name, series.time, {"piston.pressure_1": series.recorded}, {"piston.pressure_1": "Pa"})
+    for hours, name in enumerate(("monday", "tuesday")):
+        recording = Recording(name, series.time + hours, {"piston.pressure_1": series.recorded}, {"piston.pressure_1": "Pa"})
         write_table(tmp_path / f"{name}.parquet", recording)
     shutil.copyfile(ASSETS / "bench.toml", tmp_path / "rig.toml")
     shutil.copyfile(ASSETS / "bench.xml", tmp_path / "bench.xml")  # comparison.rrd draws it
@@ -78,7 +78,9 @@ def test_several_recordings_keep_the_names_that_the_diagnosis_gave_them(answered
     names = ("monday", "monday (2)")
     every = tuple(replace(s, recording=name) for name in names for s in made_up.series())
     answered(made_up.whole(recordings=names, series=every))
-    cli.main(["diagnose", "monday.parquet", "monday.parquet", "--rig", "rig.toml", "--out", "found", "--quiet"])
+    Path("later").mkdir()
+    shutil.copyfile("tuesday.parquet", "later/monday.parquet")
+    cli.main(["diagnose", "monday.parquet", "later/monday.parquet", "--rig", "rig.toml", "--out", "found", "--quiet"])
     assert len(read(tmp_path / "found" / "comparison.rrd").recording.time) == 2 * len(every[0].time)
 
 

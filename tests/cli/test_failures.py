@@ -3,12 +3,28 @@
 from __future__ import annotations
 
 import errno
+from pathlib import Path
 
 import click
 import pytest
+from numba.core.errors import TypingError
 
 from exo_sim.cli import failures
 from exo_sim.errors import Diverged, RigError
+from exo_sim.physics import external_effects
+
+
+def test_what_numba_cannot_compile_is_the_fault_of_an_effect_from_outside(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    error = TypingError("Failed in nopython mode pipeline (step: nopython frontend)\nUnknown attribute 'pp' of type Chamber")
+    assert failures.report(error) == failures.OUR_FAULT
+    (tmp_path / "mine.py").write_text("EFFECT = None")
+    monkeypatch.setenv(external_effects.VARIABLE, str(tmp_path / "mine.py"))
+    assert failures.report(error) == 2
+    ours, yours = capsys.readouterr().err.splitlines()
+    assert "a fault of exo-sim" in ours
+    assert "mine.py): Unknown attribute 'pp' of type Chamber; write them with what numba knows" in yours
 
 
 @pytest.mark.parametrize(

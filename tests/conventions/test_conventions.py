@@ -21,7 +21,7 @@ import pytest
 
 from exo_sim import rig as rigs
 from exo_sim.cli import main
-from exo_sim.conventions import Settled, asked, pressures, settle
+from exo_sim.conventions import Settled, asked, findings, pressures, settle
 from exo_sim.conventions.machine import Machine
 from exo_sim.conventions.pressures import _counts_from, in_pascal
 from exo_sim.errors import RecordingError
@@ -101,6 +101,14 @@ def test_a_machine_as_it_should_be_is_asked_nothing(machines: dict[str, Path]) -
         settled = held(recording, rig)
         assert settled.checks == (), name
         assert settled.recording is recording
+
+
+def test_one_sensor_that_counts_from_the_atmosphere_is_asked_about_and_left(machines: dict[str, Path]) -> None:
+    recording, rig = recorded(next(folder for name, folder in machines.items() if name.startswith("bench")))
+    settled = held(changed(recording, "pressure_1", offset=-ATMOSPHERE), rig)
+    found = [finding for finding in findings(settled) if finding.kind == "gauge"]
+    assert [finding.use for finding in found] == ["used"] and "left as it is" in found[0].says
+    assert all((settled.recording[key] == recording[key] - ATMOSPHERE).all() for key in recording.columns if key.endswith("pressure_1"))
 
 
 @pytest.mark.parametrize("otherwise", OTHERWISE)

@@ -56,6 +56,13 @@ def test_of_two_recordings_in_one_file_the_longer_is_kept() -> None:
     assert "several recordings" in says[0] and breaks == ()
 
 
+def test_a_clock_of_too_few_digits_is_asked_about() -> None:
+    _, says, _ = kept(1.7e9 + np.repeat(np.arange(20) * 0.01, 5))
+    assert says == [
+        '"time" stands still in 80 rows, first row 2 (1700000000 s); only the first of each was kept; was it written with too few digits?'
+    ]
+
+
 def test_a_clock_without_numbers_is_refused() -> None:
     with pytest.raises(RecordingError, match=r'"a\.csv": column "time" holds no numbers'):
         in_order("a.csv", np.full(5, np.nan))

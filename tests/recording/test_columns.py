@@ -30,7 +30,11 @@ def test_units_of_the_same_kind_become_si(text: str, unit: str, value: float, si
 @pytest.mark.parametrize(
     ("text", "error", "says"),
     [("piston.presure_1 [Pa]", RecordingError, 'did you mean "pressure_1"'), ("piston.pressure_1", UnitError, "has no unit"),
-     ("piston.pressure_1 [s]", UnitError, "pressure_1"), ("pressure", RecordingError, "not of the form"),
+     ("piston.pressure_1 [s]", UnitError, "pressure_1"),
+     ("piston.valve_command [V]", UnitError, "a column map can say how many are one"),
+     ("piston.pressure_1 [psig]", UnitError, 'column map do it: { column = "piston.pressure_1 [psi]", offset = 14.6959 }'),
+     ("piston.pressure_1 [BARG]", UnitError, "is gauge"),
+     ("pressure", RecordingError, "not of the form"),
      ("a]b[", RecordingError, "cannot read"),
      ("x" * (LONGEST + 1), RecordingError, "characters")],
 )  # fmt: skip

@@ -1,6 +1,7 @@
 """Recordings as real ones are: what can be read is read and said, what cannot is refused in one line."""
 
 import re
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -89,7 +90,10 @@ def test_temperatures_have_an_offset(tmp_path: Path) -> None:
         ("time [s],p.pressure_1 [Pa]\n" + numbered(20, "{i},on\n"), "holds words"),
         ("time [s],p.pressure_1 [Pa]\n" + numbered(20, "{i},nan\n"), "no column beside the time holds a number"),
         ("time [s],p.pressure_1 [Pa]\n" + numbered(20, "nan,{i}\n"), "holds no numbers"),
-        ("time [s],p.pressure_1 [Pa]\n0,1\n1,2\n", "2 usable rows"),
+        ("time [s],p.pressure_1 [Pa]\n0,1\n1,2\n", "2 usable rows; at least 10 are needed"),
+        ("time [s],p.pressure_1 [Pa]\n" + "7,1\n3,1\n" * 20, "2 usable rows of 40; at least 10 are needed"),
+        ("time [s],p.pressure_1 [Pa]\n" + "7,1\n3,1\n" * 20, "; sort the rows by time"),
+        ("time [s] p.pressure_1 [Pa]\n" + numbered(20, "{i} {i}\n"), "line 2 holds 2 numbers with blanks between"),
         (b"\0\1\2", "not text"),
         (b"\xff\xfet\0", "UTF-16"),
     ],
@@ -102,6 +106,19 @@ def test_what_cannot_be_read_is_one_line(tmp_path: Path, text: str | bytes, says
     assert says in message
     assert "\n" not in message
     assert "bench.csv" in message
+
+
+def test_a_column_without_a_name_is_left_out_with_a_note(tmp_path: Path) -> None:
+    found = read(file(tmp_path, "time [s],p.pressure_1 [Pa],\n" + numbered(20, "{i},{i},\n"))).findings
+    assert [(one.says, one.severity) for one in found] == [("column 3 has no name; it was left out", "info")]
+
+
+def test_one_row_is_said_in_the_singular(tmp_path: Path) -> None:
+    found = read(file(tmp_path, "time [s],p.pressure_1 [Pa]\n" + numbered(20) + "nan,1\n20,1e400\n")).findings
+    assert [one.says for one in found] == [
+        '"time" has no number in 1 row, first row 21; dropped',
+        '"p.pressure_1" is infinite, or more than any sensor reads, in 1 row, first row 21; taken as missing',
+    ]
 
 
 @pytest.mark.parametrize("name", ["no.csv", "no.rrd", "no.parquet"])
@@ -277,3 +294,13 @@ def test_a_folder_is_refused_with_what_to_do(tmp_path: Path) -> None:
 def test_a_question_in_a_finding_ends_its_sentence(tmp_path: Path) -> None:
     found = read(file(tmp_path, HEADING.replace("\n", ",p.presure_2 [Pa]\n") + BODY.replace("\n", ",1\n"))).findings
     assert [one.says.endswith('did you mean "pressure_2" or "pressure_1"? The column was set aside') for one in found] == [True]
+
+
+@pytest.mark.parametrize("unit", ["s", "ms", "us", "ns"])
+@pytest.mark.parametrize("kind", [pa.timestamp, pa.duration], ids=["timestamps", "durations"])
+def test_a_parquet_clock_may_be_of_timestamps_or_durations(tmp_path: Path, kind: Callable[[str], pa.DataType], unit: str) -> None:
+    ticks = {"s": 1, "ms": 1000, "us": 1_000_000, "ns": 1_000_000_000}[unit]
+    begun = 1_700_000_000 if kind is pa.timestamp else 0
+    time = pa.array([(begun + i) * ticks for i in range(20)], pa.int64()).cast(kind(unit))
+    parquet.write_table(pa.table({"time [s]": time, "p.pressure_1 [Pa]": [1e5 + i for i in range(20)]}), tmp_path / "bench.parquet")
+    np.testing.assert_allclose(read(tmp_path / "bench.parquet").recording.time, np.arange(20.0), rtol=1e-15, atol=0.0)

@@ -334,6 +334,8 @@ def test_a_column_that_could_not_be_used_is_to_be_put_right_first():
 def test_a_valve_that_the_rig_lacks_comes_first() -> None:
     found = made_up.whole(checks=({"what": "valve", "columns": ["piston.valve_command"], "says": ""},))
     assert diagnosis_words.first_step(found).startswith("Write [cylinders.piston.valve] in rig.toml and diagnose again")
+    found = made_up.whole(checks=({"what": "valve kind", "columns": ["piston.valve_command_1"], "says": ""},))
+    assert diagnosis_words.first_step(found).startswith("Put kind in [cylinders.piston.valve] of rig.toml right and diagnose again")
 
 
 def test_the_curve_of_what_has_no_name_is_said_to_be_in_the_rig_only_where_it_is():

@@ -48,6 +48,9 @@ def refusal(text: str) -> str:
         ('pressure    = "7 bar"', 'pressure = "0.5 bar"', "supply.pressure.*below the atmosphere"),
         ('pressure    = "7 bar"', 'pressure = "seven bar"', "supply.pressure: .*not a quantity"),
         ("[supply]", "[suply]", "suply is not a key of a rig; did you mean .supply"),
+        ('temperature = "293.15 K"', 'temperature = "20 K"', "temperature = .20 K.: must be more than 100 K"),
+        ('area = "5 mm^2"', 'area_supply_1 = "5 mm^2"\narea_exhaust_1 = "5 mm^2"', "area_supply_2 is missing: give it like .5 mm"),
+        ("[cylinders.piston]", "[[cylinders.piston]]", r"\[\[cylinders.piston\]\] is a list of tables: write \[cylinders.piston\], once"),
         ('acting           = "double"', 'acting = "duble"', "acting.*did you mean .double"),
         ('stroke           = "160 mm"', 'stroke = "90 mm"', "stroke = 90.0 mm.*does not cover.*slide"),
         ('actuator         = "piston"', 'actuator = "pistn"', "no such actuator.*did you mean .piston"),
@@ -72,6 +75,7 @@ def test_numbers_and_names_that_cannot_be(old: str, new: str, says: str) -> None
 @pytest.mark.parametrize(
     ("effects", "says"),
     [
+        ('[effects.my_leak.piston]\narea = "1 mm^2"', "my_leak is not an effect; .*; one of your own is named in EXO_SIM_EFFECTS"),
         ('[effects.coulomb_frction.piston]\nforce = "1 N"', "coulomb_frction is not an effect; did you mean .coulomb_friction"),
         ('[effects.wall_heat_transfer.pistn]\nconductance = "1 W/K"', "pistn.*did you mean .piston"),
         ('[effects.coulomb_friction.slid]\nforce = "1 N"', "slid.*did you mean .slide"),

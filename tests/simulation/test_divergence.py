@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from exo_sim.errors import Diverged
-from exo_sim.simulation.divergence import WearerWatch, check_numbers
+from exo_sim.simulation.divergence import WearerWatch, check_numbers, check_strokes
 
 PERIOD, ADVANCE, STEP = 2.0, 1.0, 0.1
 MODEL = mujoco.MjModel.from_xml_string("<mujoco><worldbody/></mujoco>")
@@ -31,6 +31,14 @@ def watch():
 def rows(start, count):
     time = (start + np.arange(count)) * STEP
     return np.stack([time, ADVANCE * time / PERIOD, np.ones(count), np.zeros(count)], axis=1)
+
+
+@pytest.mark.parametrize(("x", "says"), [(0.16 + 0.17, "170 mm outside"), (-1e4, r"1e\+07 mm outside its stroke of 160 mm by 3 s; slower")])
+def test_a_piston_far_outside_its_cylinder_is_refused(x, says):
+    lengths = np.array([[0.0], [0.16], [-0.1], [0.3]])
+    check_strokes(lengths, ["piston.length"], {"piston": 0.16}, "swing", "by 3 s", "slower")
+    with pytest.raises(Diverged, match="swing: the piston of piston is .*" + says):
+        check_strokes(np.vstack([lengths, [[x]]]), ["piston.length"], {"piston": 0.16}, "swing", "by 3 s", "slower")
 
 
 def test_a_machine_that_keeps_to_its_wearer_passes():

@@ -223,8 +223,9 @@ def test_wrong_names_are_answered_with_the_nearest():
     for words, hint in wrong:
         with pytest.raises(ScenarioError, match=hint):
             Request("level_walk", **words)
-    with pytest.raises(ScenarioError, match="cycles"):
-        Request("level_walk", cycles=0)
+    for cycles in (0, 10001, 1.5):
+        with pytest.raises(ScenarioError, match=f"^{cycles} cycles: ask for 1 to 10000, whole ones$"):
+            Request("level_walk", cycles=cycles)  # type: ignore[arg-type]
 
 
 def test_where_the_ground_pushes_balances_the_standing_machine(exo):

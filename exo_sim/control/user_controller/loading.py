@@ -9,7 +9,7 @@ from typing import Any
 
 from exo_sim.control.user_controller import faults
 from exo_sim.control.user_controller.protocol import Controller
-from exo_sim.errors import ScenarioError, nearest
+from exo_sim.errors import ScenarioError, misspelt, nearest
 from exo_sim.inputs import check_regular
 
 
@@ -29,8 +29,7 @@ def load(text: str) -> Controller:
     try:
         check_regular(path)
     except FileNotFoundError:
-        near = nearest(path.name, [p.name for p in path.parent.glob("*.py")]) if path.parent.is_dir() else ""
-        raise ScenarioError(f'controller "{text}": there is no file "{path}"{near if "mean" in near else ""}') from None
+        raise ScenarioError(f'controller "{text}": there is no file "{path}"{misspelt(path)}') from None
     except (OSError, ValueError) as error:
         raise ScenarioError(f'controller "{text}": "{path}" {error}') from None
     spec = importlib.util.spec_from_file_location(f"controller_{path.stem}", path)

@@ -216,7 +216,7 @@ def _entry(candidate: Candidate, result: Result, finding: Finding, rig: Rig) -> 
     values = {parameter.parameter: result.final.fit.values[parameter] for parameter in candidate.parameters}
     values |= {parameter.parameter: value for parameter, value in candidate.fixed if parameter.effect == candidate.effect}
     values = {**_healthy_part(candidate, result), **values}
-    turning = any("rad" in parameter.unit or parameter.unit == "N*m" for parameter in candidate.parameters)
+    turning = _turns(parameter.unit for parameter in candidate.parameters)
     intervals = {name: (e.low, e.high) for name, e in finding.parameters.items()}
     for name, less in _said_of_the_joint(candidate, result, rig).items():
         values[name] = max(values[name] - less, 0.0)
@@ -258,7 +258,7 @@ def _healthy(rig: Rig, result: Result, calibrated: Collection[str]) -> list[Effe
         if by_force is not None:
             column = by_force[0]
             if not ("pressure" in column and column.split(".")[0] in calibrated):
-                entries.append(sensor_error_entry(*by_force, error, rig))
+                entries.append(sensor_error_entry(*by_force, error, rig, result.model.unit))
         elif parameter.effect == ZERO:
             parts.setdefault((sensor_bias.EFFECT.name, parameter.where), {})[parameter] = error_of(result, parameter, error)
             if is_faulty(result, parameter, error):
@@ -276,8 +276,13 @@ def _healthy(rig: Rig, result: Result, calibrated: Collection[str]) -> list[Effe
             entries.append(sensor_entry(Finding(name, where, Kind.CALIBRATION, says, estimates, 0.0, 0.0), rig))
         else:
             intervals = {parameter: (e.low, e.high) for parameter, e in estimates.items()}
-            entries.append(EffectEntry(EffectSetting(name, where, {p: e.value for p, e in estimates.items()}), intervals, NO_FINDING))
+            setting = EffectSetting(name, where, {p: e.value for p, e in estimates.items()}, _turns(e.unit for e in estimates.values()))
+            entries.append(EffectEntry(setting, intervals, NO_FINDING))
     return entries
+
+
+def _turns(units: Iterable[str]) -> bool:
+    return any("rad" in unit or unit == "N*m" for unit in units)
 
 
 def _curves(rig: Rig, unknown: Iterable[UnknownEffect]) -> list[EffectEntry]:

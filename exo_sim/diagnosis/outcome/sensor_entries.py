@@ -38,9 +38,10 @@ def late_entries(data: MachineData, result: Result, calibrated: Collection[str])
     ]
 
 
-def sensor_error_entry(column: str, name: str, parameter: str, value: float, error: float, rig: Rig) -> EffectEntry:
-    """Return an error of a sensor that was fitted as a nuisance parameter."""
-    unit = "1" if name == sensor_scale.EFFECT.name else "Pa" if "pressure" in column else "N"
+def sensor_error_entry(column: str, name: str, parameter: str, value: float, error: float, rig: Rig, balance: str = "N") -> EffectEntry:
+    """Return an error of a sensor that was fitted as a nuisance parameter; `balance` is the unit of what acts at the joint."""
+    force = balance if column.endswith(".external_force") else "N"  # a load cell on a rod measures newtons where the joint turns, too
+    unit = "1" if name == sensor_scale.EFFECT.name else "Pa" if "pressure" in column else force
     estimate = Estimate(value, unit, *interval(value, error))
     return sensor_entry(Finding(name, column, Kind.CALIBRATION, NO_FINDING, {parameter: estimate}, 0.0, 0.0), rig)
 

@@ -57,7 +57,7 @@ def sort(data: MachineData) -> MachineData:
                 joints[f"rod of {run.cylinder}"] = (*joints.get(f"rod of {run.cylinder}", ()), rod)
         for name in data.rig.cylinders:
             if name not in cylinders and f"{name}.pressure_1" not in table and f"{name}.pressure_2" not in table:
-                open_.append(open_questions.of_gas(name, table.name, Unjudged("no pressure of it was recorded")))
+                open_.append(open_questions.of_gas(name, table.name, _unmeasured(name)))
         if rate < FEWEST_A_SECOND and not _moves_slowly(table):
             slow = Unjudged(f"{rate:.3g} samples a second do not show how it moves", _faster(data.rig))
             names = [data.model.joint(j).name for j in range(data.model.njnt)]
@@ -67,7 +67,8 @@ def sort(data: MachineData) -> MachineData:
         outside = externally_driven(table, data.rig, data.model, data.links) if runs else {}
         if are_recorded(table):
             outside = _driven_besides(runs, outside)
-        reasons += [(joint, Unjudged(why)) for joint, why in outside.items() if joint in {motion.joint for motion in runs}]
+        moving = {motion.joint for motion in runs}
+        reasons += [(joint, Unjudged(why, f"record {joint}.external_force as well")) for joint, why in outside.items() if joint in moving]
         driven |= set(outside)
         for motion in (motion for motion in runs if motion.joint not in outside):
             joints[motion.joint] = (*joints.get(motion.joint, ()), motion)
@@ -109,7 +110,8 @@ def _faster(rig: Rig) -> str:
 def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> Unjudged | None:
     """Return why the gas of a run cannot be judged, or None; `rate` in samples a second."""
     if run.length is None:
-        return Unjudged("the position of its joint was not recorded, so its volumes are not known")
+        why = "the position of its joint was not recorded, so its volumes are not known"
+        return Unjudged(why, f"record the position of the joint that {run.cylinder} moves as well")
     if rate < FEWEST_A_SECOND and not (run.at_rest and _is_slow(run)):
         return Unjudged(f"{rate:.3g} samples a second do not show what the gas does", _faster(rig))
     if rate < FEWEST_FOR_EVENTS and not run.at_rest:
@@ -121,10 +123,18 @@ def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> Unjudged | None:
         why = "its pressure is the supply's own: the line between them is open throughout"
         return Unjudged(why, "close the valve between them for some of the time")
     if not run.commanded and rig.cylinders[run.cylinder].valve_area > 0.0:
-        return Unjudged("its valve command was not recorded")
+        return _uncommanded(run.cylinder)
     if not run.commanded and run.supply is not None:
-        return Unjudged("its valve command was not recorded")
+        return _uncommanded(run.cylinder)
     return None
+
+
+def _unmeasured(cylinder: str) -> Unjudged:
+    return Unjudged("no pressure of it was recorded", f"record {cylinder}.pressure_1 and {cylinder}.pressure_2 as well")
+
+
+def _uncommanded(cylinder: str) -> Unjudged:
+    return Unjudged("its valve command was not recorded", f"record {cylinder}.valve_command as well")
 
 
 def _is_slow(run: CylinderRun) -> bool:

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.recording.data_quality_finding import MOST_SPANS
+from exo_sim.recording.instants import instant
 
 Rows = NDArray[np.intp]
 
@@ -30,7 +31,8 @@ def listed(
 def where(spans: Rows, time: NDArray[np.float64]) -> str:
     """Return where the spans are: `in 3 spans, first rows 11-20 (0.010-0.019 s)`."""
     start, stop = int(spans[0][0]), int(spans[0][1])
-    first = f"rows {start + 1}-{stop} ({time[start]:.6g}-{time[stop - 1]:.6g} s)"
+    begins, ends = (instant(float(time[at]), float(time[0]), float(time[-1])) for at in (start, stop - 1))
+    first = f"rows {start + 1}-{stop} ({begins}-{ends} s)"
     if stop == start + 1:
-        first = f"row {start + 1} ({time[start]:.6g} s)"
+        first = f"row {start + 1} ({begins} s)"
     return f"in {first}" if len(spans) == 1 else f"in {len(spans)} spans, first {first}"

@@ -9,7 +9,9 @@ import pytest
 
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.sensor_entries import NO_FINDING, sensor_entry, sensor_error_entry
+from exo_sim.physics.effects import sensor_bias
 from exo_sim.rig import EffectSetting, Rig
+from exo_sim.rig.effect_text import unit_of
 
 COLUMN = "piston.pressure_1"
 
@@ -41,3 +43,12 @@ def test_what_was_only_refitted_is_said_to_be_no_finding(rig: Rig) -> None:
     entry = sensor_error_entry(COLUMN, "sensor_bias", "value", 50.0, 5.0, rig)
     assert entry.setting.name == "sensor_bias"
     assert NO_FINDING in repr(entry)
+
+
+@pytest.mark.parametrize(
+    ("column", "balance", "unit"),
+    [("swing.external_force", "N*m", "N*m"), ("slide.external_force", "N", "N"), ("knee.force", "N*m", "N"), (COLUMN, "N*m", "Pa")],
+)
+def test_the_zero_of_a_sensor_is_in_what_the_sensor_measures(rig: Rig, column: str, balance: str, unit: str) -> None:
+    setting = sensor_error_entry(column, "sensor_bias", "value", 0.5, 0.1, rig, balance).setting
+    assert unit_of(sensor_bias.EFFECT.parameters[0], setting) == unit

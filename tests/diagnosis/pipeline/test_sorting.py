@@ -56,15 +56,19 @@ def test_a_stop_that_throws_a_piston_back_is_nobody_s_hand(tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    ("without", "why"),
+    ("without", "why", "do"),
     [
-        (("slide.position",), "its volumes are not known"),
-        (("piston.valve_command",), "its valve command was not recorded"),
-        (("piston.pressure_1", "piston.pressure_2"), "no pressure of it was recorded"),
+        (("slide.position",), "its volumes are not known", "record the position of the joint that piston moves as well"),
+        (("piston.valve_command",), "its valve command was not recorded", "record piston.valve_command as well"),
+        (
+            ("piston.pressure_1", "piston.pressure_2"), "no pressure of it was recorded",
+            "record piston.pressure_1 and piston.pressure_2 as well",
+        ),
     ],
 )
-def test_what_was_not_recorded_is_said(tmp_path: Path, without: tuple[str, ...], why: str) -> None:
+def test_what_was_not_recorded_is_said_by_its_name(tmp_path: Path, without: tuple[str, ...], why: str, do: str) -> None:
     data = sorted_data(tmp_path, without=without)
+    assert [question.do for question in data.open_questions if question.question == "the gas of piston in bench"] == [do]
     assert data.cylinders == {} and why in whys(data)["the gas of piston in bench"]
 
 

@@ -45,7 +45,7 @@ def test_results_keep_the_findings_that_are_to_be_kept_in_their_order() -> None:
 
 def test_a_dead_volume_holds_a_hose_again_that_is_not_kept() -> None:
     dead = FreeParameter(DEAD_VOLUME, "a", "dead_volume_1", "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, 0.15), neutral=1.0)
-    counted = Deviation(dead, 0.1, 0.02, counted_in="line_restriction", with_it=0.96)
+    counted = Deviation(dead, 0.1, 0.02, counted_in="line_restriction", with_it=0.98)
     results = Results(gas=(replace(result("a", "line_restriction", "heat"), deviations=(counted,)),))  # type: ignore[arg-type]
     assert results.keeping(lambda _, finding: finding.name != "heat").gas[0].deviations == (counted,)
     assert results.keeping(lambda _, finding: finding.name == "heat").gas[0].deviations == ()

@@ -23,7 +23,9 @@ EFFECT = Effect(
     question="Does a chamber that is long or full, or whose gas moves, lose its heat faster than one that is short, empty or at rest?",
     says="Heat transfer to the wall grows with the exposed wall, with the density of the gas, or with its speed.",
     parameters=(
-        Parameter("exposure", "1", 0.0, 1.0, (0.0, 1.0), "0: one conductance; 1: one coefficient over both faces and the barrel"),
+        Parameter(
+            "exposure", "1", 0.0, 1.0, (0.0, 1.0), "0: one conductance; 1: one coefficient over both faces and the barrel", required=False
+        ),
         Parameter(
             "exponent", "1", 0.0, 1.0, (0.0, 0.8), "of pressure times temperature: 0 still gas, 0.5 Eichelberg (1939), used for cylinders "
             "by Carneiro and de Almeida (2006), 0.8 turbulent", required=False,
@@ -33,6 +35,7 @@ EFFECT = Effect(
             "while a jet fills the chamber 200-300 (estimate)", required=False,
         ),
     ),
+    any_of=(("exposure",), ("exponent",), ("stirring",)),
     cut="gas",
     reveals=("pressure_1", "pressure_2"),
     mistaken_for=("wall_heat_transfer", "dead_volume", "line_restriction"),

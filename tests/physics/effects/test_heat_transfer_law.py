@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
+import benches
 import numpy as np
 import pytest
 from physics.air import CV, R
@@ -11,6 +13,7 @@ from physics.stepping import bench, drive, hold
 
 from exo_sim.physics import state
 from exo_sim.physics.effects.heat_transfer_law import FASTEST, SPEED
+from exo_sim.rig import parse
 
 CONDUCTANCE = 0.8
 
@@ -101,3 +104,12 @@ def test_it_stays_stable_where_a_jet_stirs_a_small_chamber() -> None:
     gas.fill(np.full(1, 0.002), 1.5e5, 1.5e5)
     temperature = drive(gas, np.full(40, 0.002), command=1.0)[:, 2]
     assert np.isfinite(temperature).all() and temperature.min() > 280.0 and temperature.max() < 420.0
+
+
+@pytest.mark.parametrize("number", ["exposure = 1.0", "exponent = 0.5", "stirring = 0.8"])
+def test_a_rig_may_say_each_number_of_the_law_alone(tmp_path: Path, number: str) -> None:
+    """A fit may end at none of the others, and the improved rig then leaves them out."""
+    rig = benches.bench(tmp_path)
+    heat = f'[effects.wall_heat_transfer.piston]\nconductance = "1 W/K"\n\n[effects.heat_transfer_law.piston]\n{number}\n'
+    law = parse(f"{rig.text}\n{heat}", rig.path).effect("heat_transfer_law", "piston")
+    assert law is not None and list(law.parameters) == [number.split()[0]]

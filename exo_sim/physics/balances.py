@@ -70,9 +70,9 @@ def _lose(here, w, ambient, k, r, dy, base, mass, energy):
 
 
 @within
-def _warm_and_push(world, c, here, dy, base, energy, wall):
-    """Give a chamber the heat from its wall and take from it the work on the piston."""
-    heat = heat_flow(c, here, world) * heat_transfer_law.factor(c.heat_transfer_law, here)
+def _warm_and_push(world, c, here, filling, dy, base, energy, wall):
+    """Give a chamber, into which gas flows at this rate [kg/s], the heat from its wall and take from it the work on the piston."""
+    heat = heat_flow(c, here, world) * heat_transfer_law.factor(c.heat_transfer_law, here, filling, world.r)
     work = here.p * here.area * here.speed
     dy[base + wall] = moving_wall_temperature.wall_rate(c.moving_wall_temperature, heat, here.wall, world.ambient)
     dy[base + energy] += heat
@@ -196,7 +196,7 @@ def _of_cylinder(added: bool) -> Function:
         across = 0.0
         if added:
             _lose(one, outward_flow(c, one, two, world), ambient, k, r, dy, base, MASS_1, ENERGY_1)
-            _warm_and_push(world, c, one, dy, base, ENERGY_1, WALL_1)
+            _warm_and_push(world, c, one, w, dy, base, ENERGY_1, WALL_1)
             if line_restriction.present(c.line_restriction):
                 _warm_hose(world, c.line_restriction, one, y, dy, base, ENERGY_1, 0)
             across = across_flow(c, one, two, world)
@@ -218,7 +218,7 @@ def _of_cylinder(added: bool) -> Function:
                 dy[base + ENERGY_1] -= h_across
                 dy[base + MASS_2] += across
                 dy[base + ENERGY_2] += h_across
-                _warm_and_push(world, c, two, dy, base, ENERGY_2, WALL_2)
+                _warm_and_push(world, c, two, w, dy, base, ENERGY_2, WALL_2)
                 if line_restriction.present(c.line_restriction):
                     _warm_hose(world, c.line_restriction, two, y, dy, base, ENERGY_2, 1)
             else:

@@ -180,7 +180,8 @@ def declared() -> dict[str, Effect]:
 def check_others(effect: Effect, found: Mapping[str, Effect]) -> None:
     """Raise ModelError where an effect names another that there is not."""
     asked = effect.identification
-    twins = (*asked.twins.unmeasured, *asked.twins.measured, *asked.twins.unseen, *asked.twins.as_parts, asked.twins.beside_constant)
+    same = asked.twins
+    twins = (*same.unmeasured, *same.measured, *same.unseen, *same.in_one_chamber, *same.as_parts, same.beside_constant)
     effects = (effect.requires, *(name for name, _ in effect.absorbs), asked.on_top_of, asked.closed_beside, *twins)
     for name, known in (*((name, found) for name in effects if name), *((name, {*found, *CALIBRATED}) for name in effect.mistaken_for)):
         if name not in known:

@@ -61,6 +61,7 @@ class Twins:
         unseen: Those that are the same where added to it they would not show: of play whose load never reverses only the give of its
             contacts does ...
         unseen_from: ... and where parameters are at least this: no contact gives as a strap does.
+        in_one_chamber: Those that are the same in a single-acting cylinder, whose other chamber is the atmosphere.
         as_parts: Those that do the same where each of their parameters is so many times its own one: a shifted spool opens two edges sooner
             and two later.
     """
@@ -73,6 +74,7 @@ class Twins:
     damping: int = 0
     unseen: tuple[str, ...] = ()
     unseen_from: Mapping[str, float] = field(default_factory=dict)
+    in_one_chamber: tuple[str, ...] = ()
     as_parts: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def like(self, numbers: Mapping[str, float], is_measured: bool) -> tuple[str, ...]:

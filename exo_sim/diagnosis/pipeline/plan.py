@@ -13,6 +13,7 @@ from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.findings import Finding
 from exo_sim.diagnosis.outcome.finding_probability import is_doubtful
+from exo_sim.diagnosis.selection.nuisance_calibration import counted_back
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -69,7 +70,13 @@ class Change(Protocol):
 
 
 def _keeping(results: Sequence[SubsystemResult[Model]], keep: Keep) -> tuple[SubsystemResult[Model], ...]:
-    return tuple(replace(one, findings=tuple(finding for finding in one.findings if keep(one, finding))) for one in results)
+    return tuple(_with_findings(one, tuple(finding for finding in one.findings if keep(one, finding))) for one in results)
+
+
+def _with_findings(one: SubsystemResult[Model], kept: tuple[Finding, ...]) -> SubsystemResult[Model]:
+    """Return a result with these of its findings; a dead volume in which the owner counted a hose that is not among them holds it again."""
+    gone = {finding.at for finding in one.findings} - {finding.at for finding in kept}
+    return replace(one, findings=kept, deviations=counted_back(one.deviations, gone))
 
 
 @dataclass(frozen=True)

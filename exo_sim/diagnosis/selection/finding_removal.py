@@ -14,6 +14,7 @@ from exo_sim.diagnosis.findings import Estimate, Finding
 from exo_sim.diagnosis.policy.probability import LEAST_PROBABILITY
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.nuisance_calibration import counted_back
 from exo_sim.diagnosis.selection.simpler_forms import poorer_than, sizes_of_poorer
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
@@ -27,7 +28,8 @@ def without_findings(
     """Return a result without some of its findings and what comes on top of them.
 
     A poorer form of one that explained nearly as much takes its place: where two levels of friction may be one, friction is still there.
-    Where the rest alone would leave something unknown, its numbers stay as they were found: only the names go.
+    Where the rest alone would leave something unknown, its numbers stay as they were found: only the names go, and a dead volume in which
+    an owner had counted a hose holds it again.
 
     Args:
         result: A result.
@@ -37,7 +39,9 @@ def without_findings(
     poorer = tuple(one for c in result.final.candidates if c.at in names for one in _poorer_of(c, result, names))
     kept = drop_orphans([*(c for c in result.final.candidates if c.at not in names), *poorer])
     gone = {c.at for c in result.final.candidates} - {c.at for c in kept}
-    only_named = replace(result, findings=tuple(f for f in result.findings if f.at not in {*names, *gone}))
+    away = {*names, *gone}
+    named = tuple(f for f in result.findings if f.at not in away)
+    only_named = replace(result, findings=named, deviations=counted_back(result.deviations, away))
     if not gone:
         return only_named
     begun = sizes_of_poorer(result.final.candidates, poorer, result.final.fit.values)

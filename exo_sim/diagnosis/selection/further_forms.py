@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, reach_of_bound
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -16,9 +17,10 @@ def with_further_forms(
 ) -> FittedModel:  # fmt: skip
     """Return a model with findings in the further forms that the data support; itself where they support none, or nothing is left.
 
-    A further form is no other effect: it passes the gates of what stands in a model already, where the poorer one is not as good. It is
-    fitted from each of its starts, for how a law goes on may be felt only beyond a size: the waves of a hose stay out of a fit that
-    begins with half its length.
+    A further form is no other effect: it passes the gates of what stands in a model already, where the poorer one is worse by more than
+    chance. How little of all that was missing it adds says nothing there: of an error of 245 times the noise a thousandth is 8 times the
+    noise, and that is what it is asked for. It is fitted from each of its starts, for how a law goes on may be felt only beyond a size:
+    the waves of a hose stay out of a fit that begins with half its length.
 
     Args:
         now, fits, comparisons, proposals: Of the search.
@@ -31,7 +33,7 @@ def with_further_forms(
         for form in proposals.further(candidate, now):
             begun = [replace(form, starts=(start,)) for start in form.starts]
             model = fits.fit_from_each([tuple(one if c is candidate else c for c in now.candidates) for one in begun], now)
-            if model is None or comparisons.is_as_good(now, model) or _is_at_end(form, model):
+            if model is None or fits.deficit(now, model) < acceptance.NO_WORSE or _is_at_end(form, model):
                 continue
             if comparisons.accepts(now, model, stands=True):
                 shown.append(model)

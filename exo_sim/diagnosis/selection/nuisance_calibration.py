@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
@@ -96,6 +96,24 @@ def deviations(
             owner = next((q.effect for q in effects if parameter.key in dict(q.displaces)), "") if with_it != value else ""
             found.append(Deviation(parameter, factor, error, counted_in=owner, with_it=with_it / whole))
     return tuple(found)
+
+
+def counted_back(found: Sequence[Deviation], gone: Collection[tuple[str, str]]) -> tuple[Deviation, ...]:
+    """Return deviations beside which effects are not named any more: what an owner counted of them in a number stays in it.
+
+    Args:
+        found: As found beside all effects.
+        gone: Effect and place of those that are not named.
+    """
+    kept = []
+    for one in found:
+        if (one.counted_in, one.parameter.where) not in gone:
+            kept.append(one)
+            continue
+        whole = replace(one, factor=one.with_it, counted_in="", with_it=math.nan)
+        if abs(whole.factor - 1.0) > max(HALF_WIDTH * whole.error, WORTH[whole.parameter.effect]):
+            kept.append(whole)
+    return tuple(kept)
 
 
 def refitted_besides(

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 
 from exo_sim.physics import nozzle
 from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Twins
 from exo_sim.physics.settling import hot_gas, laminar_rate, path_rate
 from exo_sim.physics.terms import OUTWARD_FLOW
 
@@ -49,6 +50,7 @@ EFFECT = Effect(
     identification=Identification(
         proportional=True,
         leaks=0.5,
+        twins=Twins(in_one_chamber=("piston_leakage",)),
         open_by={"laminar_1": (0.9, 1.9), "laminar_2": (0.9, 1.9)},  # an inertial part too small to show makes the path look narrower
         closed_by="inertial",
         forms=(

@@ -35,7 +35,15 @@ EFFECT = Effect(
         "in pressure, against Eichelberg's law 0.7 to 1.3 %."
     ),
     signature="after a fill the pressure relaxes to a plateau without motion; a driven sealed piston draws a loop that absorbs work",
-    identification=Identification(proportional=True, wall_heat=1.0, forms=(("conductance",), ("conductance_1", "conductance_2"))),
+    identification=Identification(
+        proportional=True,
+        wall_heat=1.0,
+        forms=(("conductance",), ("conductance_1", "conductance_2")),
+        counts_from={
+            "heat_transfer_law": "It is stated at half of the stroke, at 4 bar and, as far as moving gas exchanges more, at 0.1 m/s: see "
+            "heat_transfer_law in improved.toml.",
+        },
+    ),
 )
 
 

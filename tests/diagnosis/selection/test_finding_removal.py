@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from diagnosis import waves
 
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
+from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.finding_removal import open_to, without_findings
+from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 
@@ -46,6 +50,16 @@ def test_where_the_rest_alone_leaves_something_unknown_only_the_names_go() -> No
     found = without_findings(before, {waves.BASE.at, LIKE.at})
     assert found.findings == ()
     assert found.final is before.final and not found.has_unknown
+
+
+def test_where_only_a_name_goes_a_dead_volume_holds_again_what_was_counted_in_it() -> None:
+    dead = FreeParameter(DEAD_VOLUME, "piston", "dead_volume_1", "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, 0.15), neutral=1.0)
+    counted = Deviation(dead, 0.2, 0.02, counted_in="like", with_it=1.5)
+    before = replace(result(bound=1.0), deviations=(counted,))
+    (kept,) = without_findings(before, {waves.OTHER.at}).deviations
+    assert kept is counted
+    (back,) = without_findings(before, {waves.BASE.at, LIKE.at}).deviations
+    assert back.factor == 1.5
 
 
 def test_a_name_that_is_not_there_changes_nothing() -> None:

@@ -36,6 +36,15 @@ def test_a_law_goes_on_where_the_data_need_it() -> None:
     assert [start[0] for start in begun[0].starts] == [now.fit.values[parameter("base", "slow")]] * 2
 
 
+def test_a_law_goes_on_though_the_poorer_form_explains_nearly_all_that_was_missing() -> None:
+    """What is left counts, not how little of all that was missing it is."""
+    slow = replace(parameter("base", "slow"), high=1e3)
+    found, further = replace(BASE, parameters=(slow,)), replace(FURTHER, parameters=(slow, parameter("base", "quick")))
+    now, richer, one = asked(Waves(slow=100.0, quick=2.0), found, further)
+    assert one.fits.fit(()).fit.sse - now.fit.sse > 0.999 * (one.fits.fit(()).fit.sse - richer.fit.sse)
+    assert [c.form for c in richer.candidates] == ["slow+quick"]
+
+
 def test_a_law_stays_as_it_was_where_nothing_is_left() -> None:
     now, richer, _ = asked(Waves(slow=8.0), BASE)
     assert richer is now

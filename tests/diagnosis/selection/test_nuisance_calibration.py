@@ -15,7 +15,13 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParamete
 from exo_sim.diagnosis.policy.off_nominal import GAIN_SHARE, SURE
 from exo_sim.diagnosis.policy.probability import CALIBRATED, UNTESTED
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
-from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, calibration_findings, deviations, refitted_besides
+from exo_sim.diagnosis.selection.nuisance_calibration import (
+    Deviation,
+    calibration_findings,
+    counted_back,
+    deviations,
+    refitted_besides,
+)
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.physics.plant_records import CYLINDER, WORLD
 
@@ -208,6 +214,16 @@ def test_a_dead_volume_that_holds_a_hose_which_was_counted_in_is_within_its_data
         assert found.factor == 0.2 and found.is_beyond_data_sheet is beyond
         (finding,) = calibration_findings([found])
         assert ("counted in" in finding.says) is not beyond and ("No data sheet" in finding.says) is beyond
+
+
+@pytest.mark.parametrize(("with_it", "left"), [(0.97, ()), (1.4, (1.4,))])
+def test_a_hose_that_is_not_named_stays_in_the_dead_volume_that_it_was_counted_in(with_it: float, left: tuple[float, ...]) -> None:
+    counted = Deviation(volume(1), 0.2, 0.02, counted_in="line_restriction", with_it=with_it)
+    own = Deviation(volume(2), 0.6, 0.02)
+    gone = {("line_restriction", "piston")}
+    assert [one.factor for one in counted_back((counted, own), gone)] == [*left, 0.6]
+    assert not any(one.counted_in for one in counted_back((counted,), gone))
+    assert counted_back((counted, own), {("line_restriction", "elsewhere")}) == (counted, own)
 
 
 def test_a_number_is_off_by_the_fit_and_not_within_what_the_form_of_the_laws_leaves_open() -> None:

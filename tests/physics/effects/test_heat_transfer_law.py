@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
+import benches
 import numpy as np
 import pytest
-from physics.air import CV
-from physics.stepping import bench, drive
+from physics.air import CV, R
+from physics.stepping import bench, drive, hold
 
 from exo_sim.physics import state
+from exo_sim.physics.effects.heat_transfer_law import FASTEST, SPEED
+from exo_sim.rig import parse
 
 CONDUCTANCE = 0.8
 
 
-def cooled(x: float, pressure: float, exposure: float, exponent: float) -> float:
+def cooled(x: float, pressure: float, exposure: float, exponent: float, stirring: float = 0.0) -> float:
     """Return the conductance by which a chamber's gas, a little warmer than its wall, cools at constant volume [W/K]."""
     gas = bench()
     gas.cylinders["wall_heat_transfer"]["conductance"] = CONDUCTANCE
     law = gas.cylinders["heat_transfer_law"]
-    law["exposure"], law["exponent"] = exposure, exponent
+    law["exposure"], law["exponent"], law["stirring"] = exposure, exponent, stirring
     gas.fill(np.full(1, x), pressure, pressure, temperature=293.25)
     mass = gas.integrated[0, state.MASS_1]
     left = (drive(gas, np.full(101, x))[-1, 2] - 293.15) / 0.1
@@ -52,3 +56,60 @@ def test_it_stays_stable_where_the_law_makes_heat_fast() -> None:
     gas.fill(np.full(1, 0.002), 9e5, 9e5, temperature=400.0)
     temperature = drive(gas, np.full(40, 0.002))[:, 2]
     assert (np.diff(temperature) <= 1e-9).all() and temperature[-1] == pytest.approx(293.15, abs=0.01)
+
+
+def warmed(speed: float, stirring: float) -> float:
+    """Return the heat that both chambers, 20 K colder than their walls, take in 2 ms behind a piston of this speed [J]."""
+    gas = bench()
+    gas.cylinders["wall_heat_transfer"]["conductance"] = CONDUCTANCE
+    gas.cylinders["heat_transfer_law"]["stirring"] = stirring
+    gas.fill(np.full(1, 0.05), 4e5, 4e5, temperature=273.15)
+    drive(gas, 0.05 + speed * gas.dt * np.arange(3))
+    return float(gas.integrated[0, state.HEAT])
+
+
+def test_gas_behind_a_moving_piston_exchanges_more() -> None:
+    assert cooled(0.05, 4e5, 0.0, 0.0, 0.4) == pytest.approx(0.6 * CONDUCTANCE, rel=1e-3)
+    assert warmed(SPEED, 0.7) == pytest.approx(warmed(SPEED, 0.0), rel=1e-3)
+    assert warmed(0.3, 0.7) / warmed(0.3, 0.0) == pytest.approx(0.3 + 0.7 * 3.0**0.8, rel=0.01)
+    assert warmed(-0.3, 0.7) == pytest.approx(warmed(0.3, 0.7), rel=0.01)
+
+
+def test_gas_that_flows_in_stirs_what_is_there() -> None:
+    """A locked chamber loses more in the same fill, and as much per second as before when that is over."""
+
+    def lost(stirring: float) -> tuple[float, float]:
+        gas = bench(dead=2e-5)
+        gas.cylinders["wall_heat_transfer"]["conductance"] = 0.05
+        gas.cylinders["heat_transfer_law"]["stirring"] = stirring
+        gas.fill(np.full(1, 0.05), 2e5, 2e5)
+        at = np.full(1, 0.05)
+        flow = []
+        for _ in range(5):
+            before = gas.integrated[0, state.MASS_1]
+            hold(gas, 0.2, gas.dt, 0.05)
+            flow.append((gas.integrated[0, state.MASS_1] - before) / gas.dt)
+        p, t = gas.pressures(at)[0, 0], gas.temperatures()[0, 0]
+        return -float(gas.integrated[0, state.HEAT]), float(np.mean(flow)) * R * t / (p * gas.cylinders["area_1"][0])
+
+    plain, speed = lost(0.0)
+    assert 0.1 < speed < FASTEST
+    assert lost(0.5)[0] > 1.2 * plain
+
+
+def test_it_stays_stable_where_a_jet_stirs_a_small_chamber() -> None:
+    gas = bench()
+    gas.cylinders["wall_heat_transfer"]["conductance"] = 20.0
+    gas.cylinders["heat_transfer_law"]["stirring"] = 1.0
+    gas.fill(np.full(1, 0.002), 1.5e5, 1.5e5)
+    temperature = drive(gas, np.full(40, 0.002), command=1.0)[:, 2]
+    assert np.isfinite(temperature).all() and temperature.min() > 280.0 and temperature.max() < 420.0
+
+
+@pytest.mark.parametrize("number", ["exposure = 1.0", "exponent = 0.5", "stirring = 0.8"])
+def test_a_rig_may_say_each_number_of_the_law_alone(tmp_path: Path, number: str) -> None:
+    """A fit may end at none of the others, and the improved rig then leaves them out."""
+    rig = benches.bench(tmp_path)
+    heat = f'[effects.wall_heat_transfer.piston]\nconductance = "1 W/K"\n\n[effects.heat_transfer_law.piston]\n{number}\n'
+    law = parse(f"{rig.text}\n{heat}", rig.path).effect("heat_transfer_law", "piston")
+    assert law is not None and list(law.parameters) == [number.split()[0]]

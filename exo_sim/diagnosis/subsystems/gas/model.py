@@ -283,9 +283,13 @@ class GasModel(SubsystemModel):
         return error_of_form(parameter, self.apply(values, fixed), self.nominal)
 
     def indistinguishable(self, findings: Sequence[Finding], fit: Fit) -> Mapping[tuple[str, str], tuple[str, ...]]:
-        """Declared twins of what the gas feels and nobody measured: a supply's."""
-        twins = {f.at: identification_of(f.name).twins.like(f.numbers, False) for f in findings}
-        return {key: names for key, names in twins.items() if names}
+        """Declared twins of what the gas feels: a supply's that nobody measured, and a leak past the piston of a single-acting cylinder."""
+        single = float(self.nominal.cylinder["single_acting"][0]) > 0.0
+        found = {}
+        for finding in findings:
+            twins = identification_of(finding.name).twins
+            found[finding.at] = (*twins.like(finding.numbers, False), *(twins.in_one_chamber if single else ()))
+        return {key: names for key, names in found.items() if names}
 
     def experiments(self, plants: Sequence[PlantParameters]) -> Mapping[str, Array]:
         found = {}

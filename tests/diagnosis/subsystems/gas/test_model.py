@@ -15,7 +15,9 @@ from diagnosis import cylinder_runs as cylinder_runs_of
 from exo_sim.diagnosis.data.cylinder_run import cylinder_runs
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.policy.healthy import GAS_BOUND, USUAL_LEVEL
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.subsystems.gas import model as gas_model
 from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.machine.linkage import linkages
@@ -152,3 +154,13 @@ def test_what_the_form_of_the_flow_law_predicted_that_fits_worse_counts_as_well(
     monkeypatch.setattr(gas_model, "critical_ratio", lambda k: 0.05)
     chosen, _ = gas.with_better_flow_law(())
     assert chosen is gas and chosen.effort.samples - before == 7 * len(asked) >= 14
+
+
+@pytest.mark.parametrize(("single", "twins"), [(0.0, ()), (1.0, ("piston_leakage",))])
+def test_what_leaves_a_single_acting_cylinder_may_leave_by_its_piston(single: float, twins: tuple[str, ...]) -> None:
+    cylinder = np.zeros(1, CYLINDER)
+    cylinder["area_1"], cylinder["area_2"], cylinder["stroke"], cylinder["single_acting"] = 1e-3, 1e-3, 0.2, single
+    run = cylinder_runs_of.run_of(np.full(400, 3e5), None)
+    gas = GasModel([run], PlantParameters(np.zeros(1, WORLD), cylinder), Split({}))
+    leak = Finding("external_leakage", "piston", Kind.MISSING_PHYSICS, "", {"area_1": Estimate(1e-8, "m^2", 9e-9, 1.1e-8)}, 9.0, 0.5)
+    assert gas.indistinguishable([leak], FittedModel.at({}).fit).get(leak.at, ()) == twins

@@ -64,7 +64,7 @@ def warmed(speed: float, stirring: float) -> float:
     gas.cylinders["wall_heat_transfer"]["conductance"] = CONDUCTANCE
     gas.cylinders["heat_transfer_law"]["stirring"] = stirring
     gas.fill(np.full(1, 0.05), 4e5, 4e5, temperature=273.15)
-    drive(gas, 0.05 + speed * gas.dt * np.arange(3))
+    drive(gas, np.linspace(0.05, 0.05 + 2.0 * speed * gas.dt, 3))
     return float(gas.integrated[0, state.HEAT])
 
 

@@ -184,8 +184,8 @@ def diagnose(
     handed_in: list[Any] = [recordings] if single else list(recordings)  # type: ignore[list-item, arg-type]
     if not handed_in:
         raise RecordingError("no recording was given")
+    handed_in, copies = _each_once(handed_in)
     cases = [Path(one) if isinstance(one, str | os.PathLike) else reading_of(one) for one in handed_in]
-    _refuse_twice([one for one in cases if isinstance(one, Path)])
     nominal = rig_file(rig) if isinstance(rig, str | os.PathLike) else rig_of(rig)
     beside = (nominal if isinstance(nominal, Path) else nominal.path).parent
     folder = beside if out is None else Path(out)
@@ -196,6 +196,7 @@ def diagnose(
     if not result.tables:
         tables = [reading_of(given, column_map).recording for given in handed_in]
         result = replace(result, tables=tuple(replace(table, name=name) for table, name in zip(tables, result.recordings, strict=True)))
+    result = replace(result, sensor_remarks=(*result.sensor_remarks, *copies))
     found = Diagnosis(result, time.monotonic() - begun, nominal, folder)
     if out is not None:
         if progress is not None:
@@ -215,9 +216,19 @@ def refuse_own_rig(folder: Path, rig: Path) -> None:
         raise OutputError(f'cannot write "{improved}": it is the rig that was handed in; name another folder with --out')
 
 
-def _refuse_twice(paths: list[Path]) -> None:
-    """Refuse a file that is handed in twice, or a copy of it: it would count twice, and tighten every interval."""
-    for at, path in enumerate(paths):
-        for other in paths[:at]:
-            if path.is_file() and other.is_file() and filecmp.cmp(path, other, shallow=False):
-                raise RecordingError(f'"{other}" and "{path}" are the same recording; hand in each once')
+def _each_once(handed_in: list[Any]) -> tuple[list[Any], list[str]]:
+    """Return recordings without files that are copies of others, and what is said of those: they would tighten every interval."""
+    kept: list[Any] = []
+    said: list[str] = []
+    for one in handed_in:
+        files = [Path(other) for other in kept if isinstance(other, str | os.PathLike)] if isinstance(one, str | os.PathLike) else []
+        same = next((path for path in files if _are_copies(Path(one), path)), None)
+        if same is None:
+            kept.append(one)
+        else:
+            said.append(f'"{one}" is the same recording as "{same}" and counts once.')
+    return kept, said
+
+
+def _are_copies(one: Path, other: Path) -> bool:
+    return one.is_file() and other.is_file() and filecmp.cmp(one, other, shallow=False)

@@ -5,11 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import exo_sim as exo
 from exo_sim.api.arguments import USUAL_PAYLOAD, payload_of, rig_of
-from exo_sim.errors import RecordingError, RigError, ScenarioError
+from exo_sim.errors import RigError, ScenarioError
 
 
 def test_the_payload_is_what_is_asked_for_else_the_rigs_else_the_usual_one() -> None:
@@ -30,11 +31,15 @@ def test_an_included_machine_goes_by_its_name_unless_a_file_has_it(tmp_path: Pat
     assert rig_of("bench").name == "mine"
 
 
-def test_a_recording_that_is_handed_in_twice_is_refused(tmp_path: Path) -> None:
+def test_a_recording_that_is_handed_in_twice_counts_once(tmp_path: Path) -> None:
+    time = np.arange(0.0, 2.0, 0.01)
+    rows = "\n".join(f"{at:.2f},{2e5 + 1e3 * np.sin(9.0 * at):.1f}" for at in time)
     for name in ("one.csv", "two.csv"):
-        (tmp_path / name).write_text("time [s],piston.pressure_1 [Pa]\n0,1\n")
-    with pytest.raises(RecordingError, match=r'one\.csv" and .*two\.csv" are the same recording; hand in each once'):
-        exo.diagnose([tmp_path / "one.csv", tmp_path / "two.csv"], "bench")
+        (tmp_path / name).write_text(f"time [s],piston.pressure_1 [Pa]\n{rows}\n")
+    found = exo.diagnose([tmp_path / "one.csv", tmp_path / "two.csv"], "bench")
+    assert found.result.recordings == ("one",)
+    said = f'"{tmp_path / "two.csv"}" is the same recording as "{tmp_path / "one.csv"}" and counts once.'
+    assert said in found.result.sensor_remarks
 
 
 def test_a_rig_shows_its_effects_in_the_units_of_what_they_act_on() -> None:

@@ -61,7 +61,8 @@ def balances(
     missing = [name for name, ok in zip(names, plain, strict=True) if not ok or f"{name}.position" not in recording]
     if missing:
         why = f"the position of {', '.join(missing[:3])}{' and others' if len(missing) > 3 else ''} was not recorded"
-        return [], [(name, Unjudged(why)) for name in names if name not in missing] or [(name, Unjudged(why)) for name in names]
+        unjudged = Unjudged(why, f"record {' and '.join(f'{name}.position' for name in missing[:3])} as well")
+        return [], [(name, unjudged) for name in names if name not in missing] or [(name, unjudged) for name in names]
     contacts, why = site_forces(recording, model, smoothing)
     why = why or bound_by_model(model)
     if why:

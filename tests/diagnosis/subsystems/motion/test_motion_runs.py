@@ -67,3 +67,10 @@ def test_no_filter_leaves_too_few_rows_of_a_machine_that_turns_round_soon(tmp_pa
     every = np.ones(TIME.size, dtype=bool)
     assert smoothing_width(run.time, run.smoothing) < asked
     assert rows_of(run, every).block.size >= ROWS_ENOUGH > rows_of(replace(run, smoothing=asked), every).block.size
+
+
+def test_what_was_not_recorded_is_what_to_record(tmp_path: Path) -> None:
+    rig = benches.bench(tmp_path, cylinder=False)
+    table = benches.recording(TIME, {"slide.external_force": np.zeros(TIME.size)})
+    runs, ((joint, unjudged),) = motion_runs(table, rig, load(rig), ())
+    assert (runs, joint, unjudged.do) == ([], "slide", "record slide.position as well")

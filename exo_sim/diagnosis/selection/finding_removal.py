@@ -12,10 +12,11 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding
 from exo_sim.diagnosis.policy.probability import LEAST_PROBABILITY
+from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.nuisance_calibration import counted_back
-from exo_sim.diagnosis.selection.simpler_forms import poorer_than, sizes_of_poorer
+from exo_sim.diagnosis.selection.simpler_forms import poorer_than, poorer_where_alike, sizes_of_poorer
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 
@@ -46,14 +47,31 @@ def without_findings(
         return only_named
     begun = sizes_of_poorer(result.final.candidates, poorer, result.final.fit.values)
     near = FittedModel.at({**result.final.fit.values, **begun}) if begun else result.final
-    final = result.fits.refined(result.fits.fit(kept, near))
+    final = _no_richer_than_needed(result.fits.refined(result.fits.fit(kept, near)), result, names)
     anew = decide(result.name, result.model, result.fits, replace(result.search, final=final), split)
-    kept_names = {f.at for f in only_named.findings} | {c.at for c in poorer}
+    replaced, instead = {c.at for c in kept} - final.named, final.named - {c.at for c in kept}
+    kept_names = ({f.at for f in only_named.findings} | {c.at for c in poorer}) - replaced | instead
     if anew.has_unknown != result.has_unknown or {f.at for f in anew.findings} != kept_names:
         return only_named
     before = {f.at: f for f in result.findings}
     opened = tuple(open_to(f, before[f.at]) if f.at in before else f for f in anew.findings)
     return replace(anew, findings=opened, is_unresolved=result.is_unresolved, rejected=result.rejected)
+
+
+def _no_richer_than_needed(
+    final: FittedModel, result: SubsystemResult[Model], names: Collection[tuple[str, str]]
+) -> FittedModel:
+    """Return a fit without some findings, a richer form replaced by the poorer one where the rest made alike what it tells apart.
+
+    Two levels of friction that differed beside a dip are one without it.
+    """
+    asked = {one.effect: one for c in final.candidates for one in _poorer_of(c, result, names)}
+    poorer = poorer_where_alike(final.candidates, final.fit.values, asked)
+    if poorer == final.candidates:
+        return final
+    begun = {**final.fit.values, **sizes_of_poorer(final.candidates, poorer, final.fit.values)}
+    simpler = result.fits.refined(result.fits.fit(poorer, FittedModel.at(begun)))
+    return simpler if result.fits.deficit(simpler, final) <= AS_GOOD else final
 
 
 def _poorer_of(

@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 from diagnosis import waves
 
+from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.finding_removal import open_to, without_findings
+from exo_sim.diagnosis.selection.fitted_model import SearchResult
+from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -60,6 +63,23 @@ def test_where_only_a_name_goes_a_dead_volume_holds_again_what_was_counted_in_it
     assert kept is counted
     (back,) = without_findings(before, {waves.BASE.at, LIKE.at}).deviations
     assert back.factor == 1.5
+
+
+def _friction(effect: str, *numbers: str) -> Candidate:
+    parameters = tuple(replace(waves.parameter(effect, "", low=0.0), parameter=name) for name in numbers)
+    return Candidate(effect, "piston", "+".join(numbers), parameters, ((1.0,) * len(numbers),))
+
+
+@pytest.mark.parametrize(("backward", "left"), [(9.0, "coulomb_friction"), (6.0, "asymmetric_friction")])
+def test_two_levels_of_friction_that_are_alike_without_the_rest_are_one(backward: float, left: str) -> None:
+    outward = np.sin(waves.AT / 7.0) > 0.0
+    shapes = {**waves.SHAPES, "near": NEAR, "forward": 1.0 * outward, "backward": -1.0 * ~outward, "force": np.where(outward, 1.0, -1.0)}
+    model = waves.Waves(10.0, shapes, forward=9.0, backward=backward, near=0.5)
+    apart, plain = _friction("asymmetric_friction", "forward", "backward"), _friction("coulomb_friction", "force")
+    fits = ModelFits(model, (), cheap=True)
+    bare, final = (fits.refined(fits.fit(names)) for names in ((), (apart, LIKE)))
+    found = decide("piston", model, fits, SearchResult(bare, final, rivals={apart.key: [(plain, 25.0)]}))
+    assert {c.effect for c in without_findings(found, {LIKE.at}).final.candidates} == {left}
 
 
 def test_a_name_that_is_not_there_changes_nothing() -> None:

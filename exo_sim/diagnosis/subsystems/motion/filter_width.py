@@ -97,24 +97,50 @@ def asked_width(time: Array, positions: Sequence[Array], mended: Sequence[float]
 #: Of the joints of some recordings.
 @kept(64)
 def _risk(time: Array, values: Array, least: float, noise: float) -> _Risk:
-    """Return what is wrong with the acceleration of one joint behind filters from the least width on."""
-    step = float(np.median(np.diff(time)))
-    widths = [least]
-    while widths[-1] * WIDER < WIDEST * float(time[-1] - time[0]):
-        widths.append(widths[-1] * WIDER)
-    ends = math.ceil(2.0 * FILTER_ENDS * gaussian_width(widths[-1]) / step)
+    """Return what is wrong with the acceleration of one joint behind filters from the least width on.
+
+    None is tried that is wider than one behind which what motion lost is more than all that is wrong with a narrower one: it only grows,
+    and filters of minutes take minutes.
+    """
+    step, span = float(np.median(np.diff(time))), float(time[-1] - time[0])
+    widest = least
+    while widest * WIDER < WIDEST * span:
+        widest *= WIDER
+    ends = math.ceil(2.0 * FILTER_ENDS * gaussian_width(widest) / step)
     inner = slice(ends, max(len(time) - ends, ends))
-    changes, expected = [], []
-    last = None
-    for seconds in widths:
-        now = _restored_acceleration(time, values, seconds)[inner]
-        if last is not None:
-            changes.append(float(np.sqrt(np.mean((now - last) ** 2))) if now.size else math.inf)
-            expected.append(noise * _gain_of_change(seconds / WIDER, seconds, step))
+    widths, changes, expected = [least], list[float](), list[float]()
+    last = _restored_acceleration(time, values, least)[inner]
+    while True:
+        risk = _weighed(widths, changes, expected, noise, step, step * (inner.stop - inner.start))
+        if widths[-1] >= widest or _is_beyond(risk):
+            return risk
+        widths.append(widths[-1] * WIDER)
+        now = _restored_acceleration(time, values, widths[-1])[inner]
+        changes.append(float(np.sqrt(np.mean((now - last) ** 2))) if now.size else math.inf)
+        expected.append(noise * _gain_of_change(widths[-2], widths[-1], step))
         last = now
+
+
+def _is_beyond(risk: _Risk) -> bool:
+    """Return whether all wider filters are worse than one of these: by the last but one, for a change is judged by that which follows."""
+    whole = risk.noise**2 + risk.bias**2
+    return len(whole) > 2 and bool(risk.bias[-2] ** 2 > whole[risk.best])
+
+
+def _weighed(
+    widths: Sequence[float], changes: Sequence[float], expected: Sequence[float], noise: float, step: float, span: float
+) -> _Risk:  # fmt: skip
+    """Return what is wrong behind filters of these widths.
+
+    Args:
+        widths: Of the filters, shape (k + 1,) [s].
+        changes, expected: As of `_coloured`.
+        noise: White noise of the position, by its finest differences.
+        step, span: Between two samples, and of all that were compared [s].
+    """
     factors, lost = _coloured(changes, expected), []
     for change, usual, factor, seconds in zip(changes, expected, factors[1:], widths[1:], strict=True):
-        waves = max(step * (inner.stop - inner.start) / (2.0 * gaussian_width(seconds)), 1.0)  # of noise: two standard deviations long
+        waves = max(span / (2.0 * gaussian_width(seconds)), 1.0)  # of noise: two standard deviations long
         lost.append(beyond_noise(change**2, (factor * usual) ** 2, waves))
     left = np.array([factor * noise_gain(2, seconds, step) for factor, seconds in zip(factors, widths, strict=True)])
     return _Risk(np.array(widths), noise * np.array(factors), noise * left, np.concatenate([[0.0], np.cumsum(lost)]))

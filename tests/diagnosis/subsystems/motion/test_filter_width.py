@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.subsystems.motion.filter_width import WIDER, asked_width
+from exo_sim.diagnosis.subsystems.motion import filter_width
+from exo_sim.diagnosis.subsystems.motion.filter_width import WIDER, WIDEST, asked_width
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothing_width
 from exo_sim.recording.filters import gaussian_derivatives, noise_gain, restored, smoothed_motion
 from exo_sim.recording.noise import white_noise
@@ -91,3 +92,19 @@ def test_of_several_joints_the_one_that_asks_for_the_least_says_it_and_one_that_
     assert both.seconds == pytest.approx(alone)
     assert both.bias[1] == 0.0
     assert asked_width(time, [still]).seconds == smoothing_width(time)
+
+
+def test_no_filter_is_tried_that_is_wider_than_one_behind_which_all_of_the_motion_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of an hour the widest would be five minutes, and take as many."""
+    tried: list[float] = []
+    restored = filter_width._restored_acceleration
+
+    def counted(time: Array, values: Array, seconds: float) -> Array:
+        tried.append(seconds)
+        return restored(time, values, seconds)
+
+    monkeypatch.setattr(filter_width, "_restored_acceleration", counted)
+    time = np.arange(0.0, 400.0, 0.01)
+    position = 0.02 * np.sin(2.0 * np.pi * time) + 1e-4 * np.random.default_rng(5).standard_normal(time.size)
+    asked = asked_width(time, [position])
+    assert asked.seconds < max(tried) < 2.0 < WIDEST * 400.0

@@ -47,7 +47,7 @@ def without_findings(
         return only_named
     begun = sizes_of_poorer(result.final.candidates, poorer, result.final.fit.values)
     near = FittedModel.at({**result.final.fit.values, **begun}) if begun else result.final
-    final = _no_richer_than_needed(result.fits.refined(result.fits.fit(kept, near)), result, names)
+    final = _with_what_is_alike_as_one(result.fits.refined(result.fits.fit(kept, near)), result, names)
     anew = decide(result.name, result.model, result.fits, replace(result.search, final=final), split)
     replaced, instead = {c.at for c in kept} - final.named, final.named - {c.at for c in kept}
     kept_names = ({f.at for f in only_named.findings} | {c.at for c in poorer}) - replaced | instead
@@ -58,7 +58,7 @@ def without_findings(
     return replace(anew, findings=opened, is_unresolved=result.is_unresolved, rejected=result.rejected)
 
 
-def _no_richer_than_needed(
+def _with_what_is_alike_as_one(
     final: FittedModel, result: SubsystemResult[Model], names: Collection[tuple[str, str]]
 ) -> FittedModel:
     """Return a fit without some findings, a richer form replaced by the poorer one where the rest made alike what it tells apart.

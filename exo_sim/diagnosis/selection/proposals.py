@@ -60,11 +60,10 @@ class Proposals:
         """Return the candidates that are worth a full fit beside what a model has, best first; or those of the next scores."""
         worth = [(score, candidate) for score, candidate in self.scored(now) if self.promise_enough(score, now)]
         first = self._finalists(worth)
-        return self._finalists([pair for pair in worth if pair[1] not in first and not self._is_of(pair[1], first)]) if later else first
-
-    @staticmethod
-    def _is_of(candidate: Candidate, others: Sequence[Candidate]) -> bool:
-        return any(other.at == candidate.at for other in others)
+        if not later:
+            return first
+        asked = {candidate.at for candidate in first}
+        return self._finalists([pair for pair in worth if pair[1].at not in asked])
 
     def shaped(self, now: FittedModel) -> list[FittedModel]:
         """Return models with one more candidate whose answer is not in proportion, each where a fit of it is worth beginning.

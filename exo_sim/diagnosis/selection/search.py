@@ -149,7 +149,7 @@ class _Growth:
             if tidied is None:
                 if asks_together and together is None and not self.joint.is_within_bound(best):
                     together = self.joint.found_together(best)
-                    if together.explains or self._goes_elsewhere(together.model):
+                    if self._ends_with(together):
                         return self._reached(together.model)
                 break
             if best.candidates and self.fits.deficit(tidied, best) >= 0.0:
@@ -162,7 +162,7 @@ class _Growth:
                 if (elsewhere := self._elsewhere_next(best)) is not None:
                     return self._interrupted(elsewhere)
                 together = self.joint.found_together(best)
-                if together.explains or self._goes_elsewhere(together.model):
+                if self._ends_with(together):
                     return self._reached(together.model)
             if self._gives_up(before, best):
                 return self._swapped(best)
@@ -180,6 +180,10 @@ class _Growth:
             return best
         one = together.model
         return one if self.fits.deficit(one, best) < 0.0 and self.comparisons.accepts(best, one) else best
+
+    def _ends_with(self, together: Together) -> bool:
+        """Return whether the search ends with what was asked together: it explains the data, or another subsystem is to be asked first."""
+        return together.explains or self._goes_elsewhere(together.model)
 
     def _reached(self, together: FittedModel) -> SearchResult:
         """Return the result of a search that ends with what was asked together, unless another subsystem is to be asked first."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from exo_sim.physics import subsonic_air
 from exo_sim.physics.compiled import inlined_kernel, kernel
 
 #: Above this pressure ratio the flow falls linearly to zero: the nozzle's slope is infinite at equal pressures.
@@ -12,8 +13,8 @@ LAMINAR_RATIO = 0.999
 #: Below this pressure ratio every gas with k up to 2 chokes.
 _SURELY_CHOKED = 0.44
 
-#: Heat capacity ratio of air, and gamma of its choked flow: a power that every step of every prediction would take anew.
-_AIR = 1.4
+#: Gamma of the choked flow of air: a power that every step of every prediction would take anew.
+_AIR = subsonic_air.K
 _CHOKED_AIR = (2.0 / (_AIR + 1.0)) ** ((_AIR + 1.0) / (2.0 * (_AIR - 1.0)))
 
 #: The same of the gamma where the flow becomes linear.
@@ -69,6 +70,8 @@ def flow_factor(ratio: float, k: float) -> float:
     if ratio < _SURELY_CHOKED and k <= 2.0:
         return critical_flow_factor(k)
     if ratio < LAMINAR_RATIO:
+        if k == _AIR:
+            return _CHOKED_AIR if ratio <= subsonic_air.CHOKES else subsonic_air.flow_factor(ratio)
         y = ratio ** (1.0 / k)
         if 2.0 * y >= (k + 1.0) * ratio:  # where gamma's slope vanishes: the critical ratio, without a second power
             return critical_flow_factor(k)

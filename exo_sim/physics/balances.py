@@ -110,22 +110,22 @@ def _warm_hose(world, p, here, y, dy, base, energy, second):
 
 
 @within
-def through_middle(p, area, port, here, k, r, y, dy, side):
+def through_middle(p, outlet, port, here, k, r, y, dy, side):
     """Write the rates of the middle of a long hose and of the flows in its halves; return both flows with their enthalpies.
 
     Args:
         p: The hose.
-        area: Of its throttle.
+        outlet: Area that a cushion leaves gas on its way out of the chamber.
         port, here: Gas at the valve's end, and the `Chamber`.
         y, dy: Integrated state and its rate; the side's places are counted from `side`.
     """
     mass, energy = side + MIDDLE_MASS_1, side + MIDDLE_ENERGY_1
     p_middle = chamber.pressure(y[energy], line_restriction.middle_volume(p), k)
     t_middle = chamber.temperature(y[energy], y[mass], k, r)
-    whole = line_restriction.resistance(p, area, port.p, port.t, here.p, here.t, k, r)
     first, second = y[side + HOSE_FLOW_1], y[side + MIDDLE_FLOW_1]
+    whole, at_chamber = line_restriction.resistances(p, outlet if second < 0.0 else p.area, port.p, port.t, here.p, here.t, k, r)
     dy[side + HOSE_FLOW_1] = line_restriction.acceleration(p, whole, first, port.p, port.t, p_middle, t_middle, r)
-    dy[side + MIDDLE_FLOW_1] = line_restriction.acceleration(p, whole, second, p_middle, t_middle, here.p, here.t, r)
+    dy[side + MIDDLE_FLOW_1] = line_restriction.acceleration(p, at_chamber, second, p_middle, t_middle, here.p, here.t, r)
     h_first = chamber.enthalpy_flow(first, port.t, t_middle, k, r)
     h_second = chamber.enthalpy_flow(second, t_middle, here.t, k, r)
     dy[mass], dy[energy] = first - second, h_first - h_second
@@ -160,12 +160,13 @@ def _through_valve(added: bool) -> Function:
         p_port = chamber.pressure(y[hose_energy], line_restriction.node_volume(c.line_restriction), k)
         port = Reservoir(p_port, chamber.temperature(y[hose_energy], y[hose_mass], k, r))
         drawn, h_drawn, vented, h_vented = directly(c, port, a_supply, a_exhaust, supply, exhaust, k, r)
-        area = c.line_restriction.area
-        if here.p > port.p:
-            area = end_cushioning.outlet(c.end_cushioning, area, here.depth)
+        area = outlet = c.line_restriction.area
+        if c.end_cushioning.length > 0.0:
+            outlet = end_cushioning.outlet(c.end_cushioning, area, here.depth)
         if line_restriction.has_inertia(c.line_restriction):
-            into, h_into, w, h = through_middle(c.line_restriction, area, port, here, k, r, y, dy, base + 2 * second)
+            into, h_into, w, h = through_middle(c.line_restriction, outlet, port, here, k, r, y, dy, base + 2 * second)
         else:
+            area = outlet if here.p > port.p else area
             w = line_restriction.flow(c.line_restriction, area, port.p, port.t, here.p, here.t, k, r)
             h = chamber.enthalpy_flow(w, port.t, here.t, k, r)
             into, h_into = w, h

@@ -6,13 +6,13 @@ import math
 
 from exo_sim.physics import chamber
 from exo_sim.physics.compiled import inlined_kernel
-from exo_sim.physics.effects import exhaust_back_pressure, heat_transfer_law, line_restriction, supply_droop
+from exo_sim.physics.effects import end_cushioning, exhaust_back_pressure, heat_transfer_law, line_restriction, supply_droop
 from exo_sim.physics.gas_effects_off import plain
 from exo_sim.physics.nodes import chambers, exhaust_state, path_areas, pressures, supply_state, tank_state, volumes
 from exo_sim.physics.recovery_tank import exchange_rate
 from exo_sim.physics.runge_kutta_chebyshev import MOST_STAGES, REACH, enough_stages
 from exo_sim.physics.settling import HOT, HotGas, hot_gas, path_rate, settling_rate, thermal_rate
-from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_FLOW_1, HOSE_FLOW_2, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED
+from exo_sim.physics.state import HOSE_ENERGY_1, HOSE_ENERGY_2, HOSE_FLOW_1, HOSE_MASS_1, HOSE_MASS_2, INTEGRATED, MIDDLE_FLOW_1
 from exo_sim.physics.step import CLASSIC, CLASSIC_REACH, CLASSIC_STAGES
 from exo_sim.physics.summed_effects import across_rate, heat_rate, outward_rate
 
@@ -92,11 +92,7 @@ def side_rate(world, c, y, base, here, a_supply, a_exhaust, supply, exhaust, spa
         p = chamber.pressure(y[energy], v, k)
         warmest = max(warmest, chamber.temperature(y[energy], y[mass], k, r))
         wall = thermal_rate(c.line_restriction.conductance, min(p, here.p), c.line_restriction.volume, k)
-        if line_restriction.has_inertia(c.line_restriction):  # `fastest_change` follows its wave
-            flow = base + (HOSE_FLOW_1 if here.side == 1 else HOSE_FLOW_2)
-            fastest = max(abs(y[flow]), abs(y[flow + 1]))
-            rate = max(rate, line_restriction.friction_rate(c.line_restriction, fastest, min(p, here.p) / (r * warmest)))
-        else:
+        if not line_restriction.has_inertia(c.line_restriction):  # else `fastest_wave` and `fastest_friction` bound it
             through, share = path_rate(c.line_restriction.area, p, here.p, v, span, gas), v / here.volume
             rate += through * share
     fed = path_rate(a_supply, supply.p, p, v, span, gas)
@@ -185,6 +181,40 @@ def fastest_wave(world, cylinders):
 
 
 @inlined_kernel
+def fastest_friction(world, cylinders, y, x, end):
+    """Return how fast throttles take away the flows in all hoses that have inertia, those of now or those they let through [1/s].
+
+    A cushion that all but closes the port of a hose makes its throttle a thousand times as strong for what leaves the chamber.
+
+    Args:
+        x, end: Piston positions now and at the end of what is to be stepped through, shape (n,).
+    """
+    k, r = world.k, world.r
+    fastest = 0.0
+    for i in range(len(cylinders)):
+        c, base = cylinders[i], i * INTEGRATED
+        hose = c.line_restriction
+        if not line_restriction.has_inertia(hose):
+            continue
+        one, two = chambers(world, c, y, base, x[i], 0.0)
+        for here in (one, two):
+            if here.side == 2 and c.single_acting > 0.0:
+                continue
+            place = base + 2 * (here.side - 1)
+            p = chamber.pressure(y[place + HOSE_ENERGY_1], line_restriction.node_volume(hose), k)
+            t = chamber.temperature(y[place + HOSE_ENERGY_1], y[place + HOSE_MASS_1], k, r)
+            depth = min(here.depth, end[i] if here.side == 1 else c.stroke - end[i])
+            outlet = end_cushioning.outlet(c.end_cushioning, hose.area, depth)
+            whole, at_chamber = line_restriction.resistances(hose, outlet, p, t, here.p, here.t, k, r)
+            driven = abs(p - here.p)
+            first = max(abs(y[place + HOSE_FLOW_1]), math.sqrt(driven / whole))
+            leaving = max(-y[place + MIDDLE_FLOW_1], math.sqrt(driven / at_chamber))
+            fastest = max(fastest, line_restriction.friction_rate(hose, whole, max(first, abs(y[place + MIDDLE_FLOW_1]))))
+            fastest = max(fastest, line_restriction.friction_rate(hose, at_chamber, leaving))
+    return fastest
+
+
+@inlined_kernel
 def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest: float, faster: float) -> tuple[float, int]:
     """Return how long the next step may be [s], from `shortest` to `left`, and how many stages keep it stable; or `CLASSIC` for these.
 
@@ -202,9 +232,11 @@ def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest:
     fastest = max(fastest_rate(world, cylinders, y, supply, exhaust, x, spool, span, gas), faster)
     wave = fastest_wave(world, cylinders)
     if wave > 0.0:
-        classic = min(span, CLASSIC_TURN / wave)
-        if faster * classic > CLASSIC_REACH:  # the bound of what settles is not asked: a classic step itself is (`step.py`)
-            classic = CLASSIC_REACH / faster
+        friction = fastest_friction(world, cylinders, y, x, end)
+        fastest = max(fastest, friction)
+        classic, stiff = min(span, CLASSIC_TURN / wave), max(faster, friction)
+        if stiff * classic > CLASSIC_REACH:  # of what else settles no bound is asked: a classic step itself is (`step.py`)
+            classic = CLASSIC_REACH / stiff
         turned = min(span, _TURN / wave)
         if classic >= shortest and CLASSIC_STAGES * turned < enough_stages(fastest * turned) * classic:
             return left / max(math.ceil(left / classic - 1e-9), 1), CLASSIC

@@ -97,15 +97,16 @@ def differences(
 
     def column(parameter: FreeParameter) -> Array:
         share = 0.1 if parameter.nonsmooth else 0.02
+        here = values[parameter]
         if parameter.logarithmic:
-            step = share * max(values[parameter], 1e-12 * parameter.scale)
+            here = max(here, 1e-12 * parameter.scale)  # below it the coordinate does not change
+            step = share * here
         else:
-            step = share * max(parameter.scale, abs(values[parameter] - parameter.neutral))
-        if values[parameter] + step > parameter.high:
+            step = share * max(parameter.scale, abs(here - parameter.neutral))
+        if here + step > parameter.high:
             step = -step
-        there = values[parameter] + step
-        changed = residual({**values, parameter: there})
-        apart = parameter.coordinate(there) - parameter.coordinate(values[parameter])
+        changed = residual({**values, parameter: here + step})
+        apart = parameter.coordinate(here + step) - parameter.coordinate(here)
         column = (changed - base) / apart
         return column if np.isfinite(column).all() else np.zeros_like(base)
 

@@ -173,9 +173,20 @@ def wave_rate(p, temperature: float, k: float, r: float) -> float:
 
 
 @kernel
-def friction_rate(p, w: float, density: float) -> float:
-    """Return how fast the throttle takes away a flow of w [1/s]."""
-    return p.volume / (p.length * p.length) * abs(w) / (density * p.area * p.area)
+def friction_rate(p, whole: float, w: float) -> float:
+    """Return how fast the throttle takes away a flow of w [1/s]; `whole` is its `resistance`."""
+    return 2.0 * p.volume / (p.length * p.length) * whole * abs(w)
+
+
+@inlined_kernel
+def resistances(p, outlet: float, p_a: float, t_a: float, p_b: float, t_b: float, k: float, r: float) -> tuple[float, float]:
+    """Return the `resistance` of which each half has one half: of the half at the valve, and of that at a chamber whose cushion leaves
+    `outlet` of the throttle [m^2]. What the cushion adds acts there alone; steadily the two are those of `outlet`.
+    """
+    whole = resistance(p, p.area, p_a, t_a, p_b, t_b, k, r)
+    if outlet >= p.area:
+        return whole, whole
+    return whole, 2.0 * resistance(p, outlet, p_a, t_a, p_b, t_b, k, r) - whole
 
 
 @inlined_kernel

@@ -104,3 +104,10 @@ def test_a_step_that_fails_is_followed_by_a_shorter_one() -> None:
     steep = lambda values: np.full(40, (0.3 / values[T]) ** 12 - (0.3 / 0.25) ** 12)  # noqa: E731
     found = fit(steep, (T,), {T: 0.4}, max_iterations=40, tolerance=1e-9)  # flat above, a wall below: Newton's step is 23 e-folds long
     assert found.values[T] == pytest.approx(0.25, rel=1e-3)
+
+
+def test_a_number_at_nil_has_a_derivative_and_no_warnings() -> None:
+    leak = FreeParameter("effect", "piston", "leak", "1", Target.CYLINDER, 1e-3, 0.0, 1e4, logarithmic=True)
+    with np.errstate(all="raise"):
+        (column,) = differences(lambda values: AT * values[leak], (leak,), {leak: 0.0}, np.zeros_like(AT)).T
+    assert column == pytest.approx(AT * 1e-15, rel=0.05)

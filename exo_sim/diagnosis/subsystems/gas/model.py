@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,7 @@ from exo_sim.diagnosis.subsystems.gas.experiments import menu
 from exo_sim.diagnosis.subsystems.gas.form_errors import error_of_form
 from exo_sim.diagnosis.subsystems.gas.healthy_discrepancy import healthy_discrepancy
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import with_healthy_losses
+from exo_sim.diagnosis.subsystems.gas.hose_step import affordable_step
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
 from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of
@@ -93,7 +95,7 @@ class GasModel(SubsystemModel):
         trained = (training_part(run, split) for run in runs)
         fitted = (list(runs), split) if on_test else excerpts([run for run in trained if run is not None], split)
         self.runs, self.split = fitted
-        self._is_cut = self.split is not split
+        self._is_cut, self._is_reported = self.split is not split, on_test
         self.inputs: list[GasInputs] = [inputs(run, nominal.world, window) for run in self.runs]
         self._set = RowSet(self.inputs, nominal, self.split, on_test)
         self.blocks = self._set.blocks()
@@ -130,9 +132,17 @@ class GasModel(SubsystemModel):
         """Of which recording each row is, shape (size,)."""
         return self._set.recordings
 
+    @cached_property
+    def _stepped(self) -> list[GasInputs]:
+        """The inputs with steps behind a hose as long as the noise of the rows affords in a fit; what is reported has the usual ones."""
+        if self._is_reported or not self.size:
+            return self.inputs
+        step = affordable_step(self.inputs, self._set, self.nominal)
+        return [replace(one, hose_step=step) for one in self.inputs]
+
     def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
         """Predict what the sensors of one run would show; arguments as of `sensed`."""
-        given = self.inputs[index]
+        given = self._stepped[index]
         self.effort.add(effort_of(len(given.time), given.period, plant.cylinder))
         return sensed(given, plant, shift, whole)
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
+from exo_sim.diagnosis.subsystems.gas.inputs import HOSE_STEP, GasInputs
 from exo_sim.physics import chamber, plant, state
 from exo_sim.physics.compiled import borrow, kernel, own_array, own_copy
 from exo_sim.physics.effects import line_restriction, valve_lag
@@ -24,7 +24,7 @@ Array = NDArray[np.float64]
 #: A fit may try a bias larger than a reading, but no window starts with less gas than this [Pa].
 LEAST_START = 100.0
 #: Longest step [s] and most steps a sample: a fit asks for thousands of predictions, some of them of absurd machines. Steps of 1.24 ms, a
-#: sample of learn machine X3, are off by 8 to 27 Pa and twice by 59 and 109; halves by 2 to 9, and 17 and 93; no other was asked ...
+#: sample of learn machine X3, are off by 8 to 27 Pa and twice by 59 and 109; halves by 2 to 9, and 17 and 93; no other was asked.
 LONGEST_STEP, MOST_STEPS = 1.5e-3, 8.0
 #: The shortest step where waves pass in a hose [s], and the speed of sound in a room [m/s].
 WAVE_STEP, SOUND = 1e-4, 343.0
@@ -35,8 +35,6 @@ CHOKED = 0.6
 #: A throttle that stops the flow of choked gas so many times over in the time of which a fit shows anything leaves it no inertia; asserted.
 #: The lumped hose that is predicted then has its middle on the valve's side: of 1 m, stopped 8 times over, that is 5 kPa rms of 212.
 STOPPED = 20.0
-#: ... and the longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
-HOSE_STEP = 5e-4
 #: A sample with a hose takes about so many times as long, and behind one; of a slow logger as many as it has steps. Learn makes A, B and C,
 #: 1 to 5 ms: 1.6, 2.3 and 6.5 times, behind it 2.5, 3.6 and 7.3.
 HOSE_EFFORT, SENSED_EFFORT = 2, 3
@@ -207,7 +205,8 @@ def shows_waves(cylinder: NDArray[np.void], seconds: float) -> bool:
     hose = cylinder[line_restriction.EFFECT.name][0]
     if not line_restriction.has_inertia(hose):
         return False
-    stopped = line_restriction.friction_rate(hose, CHOKED * SOUND * float(hose["area"]), 1.0)
+    area = float(hose["area"])
+    stopped = line_restriction.friction_rate(hose, 0.5 / area**2, CHOKED * SOUND * area)  # of any density
     return bool(float(hose["length"]) > FOLLOWED * SOUND * seconds and stopped * seconds < STOPPED)
 
 
@@ -238,7 +237,7 @@ def run_gas(
     most = max(MOST_STEPS, usual / WAVE_STEP) if shows_waves(cylinder, resolved(usual)) else MOST_STEPS
     world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), most
     if behind_hose(cylinder):
-        world["longest_step"] = min(world["longest_step"][0], max(HOSE_STEP, RESOLVED * usual))
+        world["longest_step"] = min(world["longest_step"][0], max(feed.hose_step, RESOLVED * usual))
     _widen_hose(world, cylinder, resolved(usual))
     n = len(feed.time)
     length = feed.length

@@ -23,6 +23,8 @@ POSITION_SMOOTHING = 0.015
 QUICKER = 0.5
 #: ... that is, if four standard deviations of the noise behind that filter are at most this share of the velocity's own spread.
 QUIET = 0.05
+#: Long columns are gone through in pieces of so many samples where what is worked out on the way would take as much again.
+PIECE = 1 << 16
 #: A filter as weights of powers of one Gaussian: `gaussian_derivatives` alone, and followed by `restored`.
 SMOOTHED, RESTORED = MappingProxyType({1: 1.0}), MappingProxyType({1: 2.0, 2: -1.0})
 
@@ -54,13 +56,16 @@ def smoothed_motion(time: Array, values: Array, seconds: float, noise: float | N
         noise: Standard deviation of the position's white noise; estimated where absent.
     """
     noise, step = white_noise(values) if noise is None else noise, float(np.median(np.diff(time)))
-    position, velocity, acceleration = gaussian_derivatives(time, values, seconds)
+    clock = EvenClock.of(time)
+    position, velocity, acceleration = gaussian_derivatives(time, values, seconds, clock)
     width = seconds
     if 4.0 * noise * noise_gain(1, QUICKER * seconds, step, RESTORED) < QUIET * float(np.nanstd(velocity)):
         width = QUICKER * seconds
-        position, velocity, _ = gaussian_derivatives(time, values, width)
+        del position, velocity  # an hour of each takes 29 MB
+        position, velocity = gaussian_derivatives(time, values, width, clock)[:2]
     left = noise * noise_gain(1, width, step, RESTORED)
-    return SmoothedMotion(restored(time, position, width), restored(time, velocity, width), acceleration, noise, left)
+    position = restored(time, position, width, clock)
+    return SmoothedMotion(position, restored(time, velocity, width, clock), acceleration, noise, left)
 
 
 def smooth_window(time: Array, seconds: float = POSITION_SMOOTHING) -> int:
@@ -92,22 +97,39 @@ def first_rate_gain(time: Array, seconds: float = POSITION_SMOOTHING) -> float:
     return float(np.linalg.norm(rate_weights(smooth_window(time, seconds), float(np.median(np.diff(time))), True)))
 
 
-def gaussian_derivatives(time: Array, values: Array, seconds: float) -> tuple[Array, Array, Array]:
+def gaussian_derivatives(time: Array, values: Array, seconds: float, clock: EvenClock | None = None) -> tuple[Array, Array, Array]:
     """Return values, first and second derivative, shape (n,) each, all smoothed by the same Gaussian of `seconds`' width.
 
-    The derivatives are those of the smoothed signal: both sides of a balance of forces then carry exactly the same smoothing.
+    The derivatives are those of the smoothed signal: both sides of a balance of forces then carry exactly the same smoothing. `clock` is
+    that of `time`, if it is known already.
     """
     if not np.isfinite(values).any():
         return values, values, values
-    _, grid, even, usual = evenly(time, values)
+    _, grid, even, usual = evenly(time, values, clock)
     quiet = _gaussian(grid, seconds, usual)
-    # differences of the smoothed signal: a cut-off derivative kernel would answer a constant
-    rate, bend = np.gradient(quiet, usual), np.zeros_like(quiet)
-    bend[1:-1] = (quiet[2:] - 2.0 * quiet[1:-1] + quiet[:-2]) / usual**2
-    if len(quiet) > 4:  # of fourth order: on a slow clock the second takes more than the filter
-        rate[2:-2] = (8.0 * (quiet[3:-1] - quiet[1:-3]) - (quiet[4:] - quiet[:-4])) / (12.0 * usual)
-        bend[2:-2] = (16.0 * (quiet[3:-1] + quiet[1:-3]) - (quiet[4:] + quiet[:-4]) - 30.0 * quiet[2:-2]) / (12.0 * usual**2)
+    rate, bend = _differences(quiet, usual)
     return _back(time, even, quiet), _back(time, even, rate), _back(time, even, bend)
+
+
+def _differences(quiet: Array, usual: float) -> tuple[Array, Array]:
+    """Return first and second derivative of a smoothed signal, every `usual` [s], shape (n,) each.
+
+    Differences of the smoothed signal: a cut-off derivative kernel would answer a constant. Piece by piece: what is added up on the way
+    would take four times as much as an hour's column.
+    """
+    if len(quiet) <= 4:
+        rate, bend = np.gradient(quiet, usual), np.zeros_like(quiet)
+        bend[1:-1] = (quiet[2:] - 2.0 * quiet[1:-1] + quiet[:-2]) / usual**2
+        return rate, bend
+    rate, bend = np.empty_like(quiet), np.zeros_like(quiet)
+    rate[:2], rate[-2:] = np.gradient(quiet[:3], usual)[:2], np.gradient(quiet[-3:], usual)[1:]
+    bend[1], bend[-2] = ((c - 2.0 * b + a) / usual**2 for a, b, c in (quiet[:3], quiet[-3:]))
+    for begin in range(2, len(quiet) - 2, PIECE):  # of fourth order: on a slow clock the second takes more than the filter
+        stop = min(begin + PIECE, len(quiet) - 2)
+        one = quiet[begin - 2 : stop + 2]
+        rate[begin:stop] = (8.0 * (one[3:-1] - one[1:-3]) - (one[4:] - one[:-4])) / (12.0 * usual)
+        bend[begin:stop] = (16.0 * (one[3:-1] + one[1:-3]) - (one[4:] + one[:-4]) - 30.0 * one[2:-2]) / (12.0 * usual**2)
+    return rate, bend
 
 
 @dataclass(frozen=True)
@@ -125,10 +147,26 @@ class EvenClock:
     @classmethod
     def of(cls, time: Array) -> EvenClock:
         """Return that of a clock, shape (n,) [s]."""
-        usual = float(np.median(np.diff(time)))
-        even = np.arange(time[0], time[-1] + 0.5 * usual, usual)
-        is_even = len(even) == len(time) and np.allclose(even, time, atol=0.02 * usual)
-        return cls(usual, None if is_even else even)
+        usual = float(np.median(np.diff(time), overwrite_input=True))
+        if _is_even(time, usual):
+            return cls(usual, None)
+        return cls(usual, np.arange(time[0], time[-1] + 0.5 * usual, usual))
+
+
+def _is_even(time: Array, usual: float) -> bool:
+    """Return whether a clock, shape (n,) [s], goes as evenly as by steps of `usual` from its first time to its last.
+
+    Piece by piece, and no further than it does.
+    """
+    first, stop = float(time[0]), float(time[-1]) + 0.5 * usual
+    if math.ceil((stop - first) / usual) != len(time):
+        return False
+    step = (first + usual) - first  # as `numpy.arange` adds it up
+    pieces = range(0, len(time), PIECE)
+    return all(
+        np.allclose(first + step * np.arange(begin, min(begin + PIECE, len(time))), time[begin : begin + PIECE], atol=0.02 * usual)
+        for begin in pieces
+    )
 
 
 def gaussian_smoothed(time: Array, values: Array, seconds: float, clock: EvenClock | None = None) -> Array:
@@ -139,12 +177,16 @@ def gaussian_smoothed(time: Array, values: Array, seconds: float, clock: EvenClo
     return _back(time, even, _gaussian(grid, seconds, usual))
 
 
-def restored(time: Array, smooth: Array, seconds: float) -> Array:
+def restored(time: Array, smooth: Array, seconds: float, clock: EvenClock | None = None) -> Array:
     """Return a smoothed signal with the filter's attenuation corrected to first order, shape (n,): 2 s - G s (Tukey's twicing).
 
-    A Gaussian lowers the peaks of a velocity, and its square (drag) and the cosine of an angle (gravity) amplify that error.
+    A Gaussian lowers the peaks of a velocity, and its square (drag) and the cosine of an angle (gravity) amplify that error. `clock` is
+    that of `time`, if it is known already.
     """
-    return 2.0 * smooth - gaussian_smoothed(time, smooth, seconds)
+    twice = gaussian_smoothed(time, smooth, seconds, clock)
+    if twice is smooth:  # no number in it
+        return 2.0 * smooth - twice
+    return np.subtract(2.0 * smooth, twice, out=twice)
 
 
 def gaussian_width(seconds: float) -> float:
@@ -198,8 +240,8 @@ def _gaussian(grid: Array, seconds: float, usual: float) -> Array:
 
 def evenly(time: Array, values: Array, clock: EvenClock | None = None) -> tuple[Array, Array, Array | None, float]:
     """Return values with gaps interpolated, the same on an even clock, that clock (None if it is the given one), and its step [s]."""
-    bad = ~np.isfinite(values)
-    filled = np.interp(time, time[~bad], values[~bad]) if bad.any() else values
+    there = np.isfinite(values)
+    filled = values if there.all() else np.interp(time, time[there], values[there])
     clock = clock or EvenClock.of(time)
     return filled, filled if clock.even is None else np.interp(clock.even, time, filled), clock.even, clock.usual
 

@@ -33,6 +33,7 @@ _STRIDES = (1, 2, 4, 8, 16)
 _BLOCK = 256
 _QUANTILE, _NORMAL_QUANTILE = 0.3, -0.5244005127080409
 _MOST_SAMPLES = 200_000
+_PIECE = 1 << 16
 _CORRELATIONS = np.concatenate(([0.0], np.exp(-1.0 / np.geomspace(0.4, 10.0, 24))))  # of neighbouring samples
 
 #: Of fewer finite samples nothing is said of noise.
@@ -113,16 +114,33 @@ def white_noise(values: NDArray[np.float64] | None) -> float:
     """
     if values is None:
         return 0.0
-    good = values[np.isfinite(values)]
+    good = finite(values)
     if good.size < FEWEST_FOR_NOISE:
         return 0.0
-    fourth = np.diff(good, 4) / np.sqrt(70.0)
-    spread = robust_deviation(fourth)
+    spread = _own_deviation(_fourth_differences(good))
     if spread > 0.0:
         return spread
     steps = np.abs(np.diff(good))
     steps = steps[steps > 0.0]
     return float(steps.min()) / np.sqrt(12.0) if steps.size else 0.0
+
+
+def finite(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the finite ones of some values, shape (m,): the array itself, shape (n,), where all are."""
+    there = np.isfinite(values)
+    return values if there.all() else values[there]
+
+
+def _fourth_differences(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return fourth differences of values, shape (n,), in units of what white noise of size 1 makes of them, shape (n - 4,).
+
+    Piece by piece: of an hour each array of differences takes as much as the column.
+    """
+    found = np.empty(len(values) - 4)
+    for begin in range(0, len(found), _PIECE):
+        part = found[begin : begin + _PIECE]
+        np.divide(np.diff(values[begin : begin + len(part) + 4], 4), np.sqrt(70.0), out=part)
+    return found
 
 
 def floors(recording: Recording) -> Mapping[str, Noise]:
@@ -244,4 +262,11 @@ def beyond_noise(square: float, noise: float, independent: float) -> float:
 
 def robust_deviation(values: NDArray[np.float64]) -> float:
     """Return the standard deviation of normal values but for some that are far off: 1.4826 median absolute deviations."""
-    return 1.4826 * float(np.median(np.abs(values - np.median(values))))
+    return _own_deviation(np.array(values, dtype=float))
+
+
+def _own_deviation(values: NDArray[np.float64]) -> float:
+    """Return the same of an array that nobody needs any more."""
+    middle = np.median(values, overwrite_input=True)
+    np.abs(np.subtract(values, middle, out=values), out=values)
+    return 1.4826 * float(np.median(values, overwrite_input=True))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,6 +14,9 @@ from exo_sim.recording.column_map import ColumnMap
 from exo_sim.recording.column_selection import RawTable, select
 from exo_sim.recording.columns import TIME, Column
 from exo_sim.recording.lerobot_table import is_lerobot, read_lerobot
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 _NOT_OURS = (b"pandas", b"ARROW:schema")
 
@@ -66,10 +70,19 @@ def _numbers(path: Path, file: object, column: Column) -> NDArray[np.float64]:
         ticks = cells.cast(pa.int64())
         cells, column = pc.subtract(ticks, pc.min(ticks)), _in_seconds(column, cells.type.unit)
     try:
-        numbers = cells.cast(pa.float64(), safe=False).to_numpy()
+        numbers = _array(cells.cast(pa.float64(), safe=False))
     except pa.ArrowException:
         raise RecordingError(f'"{path}": column "{column.source}" holds {cells.type}; it must hold numbers') from None
     return column.to_si(numbers)
+
+
+def _array(cells: pa.ChunkedArray) -> NDArray[np.float64]:
+    """Return the numbers of a column as an array of its own, shape (n,), NaN where one lacks: what pyarrow holds of it can go."""
+    found, begin = np.empty(len(cells)), 0
+    for chunk in cells.chunks:
+        found[begin : begin + len(chunk)] = chunk.to_numpy(zero_copy_only=False)
+        begin += len(chunk)
+    return found
 
 
 def _in_seconds(column: Column, unit: str) -> Column:

@@ -57,8 +57,11 @@ def stretch_starts(time: Array, *channels: Array | None, mended: Sequence[float]
 
 def holes(time: Array, values: Array) -> list[tuple[int, int]]:
     """Return the holes of a channel, first and past the last sample of each: too long to be bridged (single samples are interpolated)."""
+    there = np.isfinite(values)
+    if there.all():
+        return []
     least = max(3, int(HOLE / max(float(np.median(np.diff(time))), 1e-9))) if len(time) > 1 else 3
-    bad = np.concatenate([[0], (~np.isfinite(values)).astype(int), [0]])
+    bad = np.concatenate([[0], (~there).astype(int), [0]])
     turns = np.flatnonzero(np.diff(bad))
     return [(int(begin), int(end)) for begin, end in zip(turns[::2], turns[1::2], strict=True) if end - begin >= least]
 

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import tracemalloc
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from exo_sim.recording import filters
 from exo_sim.recording.filters import (
     QUICKER,
     RESTORED,
     SMOOTHED,
+    EvenClock,
     gaussian_derivatives,
     gaussian_smoothed,
     gaussian_width,
@@ -83,3 +88,47 @@ def test_noise_decides_how_quick_the_velocity_is(jitter: float, width: float) ->
     assert found.position_noise == pytest.approx(jitter, rel=0.1)
     assert found.velocity_noise == pytest.approx(found.position_noise * noise_gain(1, width, STEP, RESTORED))
     np.testing.assert_array_equal(found.acceleration, gaussian_derivatives(TIME, position, SECONDS)[2])
+
+
+def most_at_once(work: Callable[[], object]) -> float:
+    """Return how many bytes were held at most beyond those that were held before."""
+    tracemalloc.start()
+    try:
+        work()
+        return float(tracemalloc.get_traced_memory()[1])
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("count", [3, 5, 6, 29, 400])
+def test_derivatives_taken_piece_by_piece_are_those_of_the_whole(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    time = np.arange(count, dtype=float) * STEP
+    values = np.random.default_rng(count).standard_normal(count)
+    whole = gaussian_derivatives(time, values, 0.006)
+    quiet = whole[0]
+    rate, bend = np.gradient(quiet, STEP), np.zeros(count)
+    np.testing.assert_allclose(whole[1][[0, -1]], rate[[0, -1]], rtol=1e-9)
+    bend[1:-1] = (quiet[2:] - 2.0 * quiet[1:-1] + quiet[:-2]) / STEP**2
+    near = [1, -2] if count > 4 else slice(None)
+    np.testing.assert_allclose(whole[2][near], bend[near], rtol=1e-6)
+    monkeypatch.setattr(filters, "PIECE", 7)
+    for one, other in zip(gaussian_derivatives(time, values, 0.006), whole, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize("late", [0.0, 0.01, 0.03, 5.0])
+def test_a_clock_is_even_as_far_as_its_worst_sample(late: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(filters, "PIECE", 7)
+    time = 3.0 + np.arange(50, dtype=float) * 0.01
+    time[40:] += 0.01 * late
+    grid = np.arange(time[0], time[-1] + 0.005, 0.01)
+    found = EvenClock.of(time)
+    assert (found.even is None) == (len(grid) == len(time) and np.allclose(grid, time, atol=2e-4))
+    if found.even is not None:
+        np.testing.assert_allclose(found.even, grid)
+
+
+def test_a_long_position_is_smoothed_in_a_few_columns_of_memory() -> None:
+    time = np.arange(1_000_000, dtype=float) * STEP
+    position = np.sin(time)
+    assert most_at_once(lambda: smoothed_motion(time, position, SECONDS, 0.0)) < 6.5 * position.nbytes

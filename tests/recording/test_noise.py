@@ -1,5 +1,7 @@
 """Known noise on known motion: the floor must come back, whatever moves under it."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -117,3 +119,29 @@ def test_a_change_holds_what_noise_does_not_make_and_nothing_where_chance_may():
     assert noise.beyond_noise(25.0, 9.0, 200.0) == 4.0
     assert noise.beyond_noise(9.0 * 1.19, 9.0, 200.0) == 0.0  # two standard errors of a mean of 200 squares are a fifth
     assert noise.beyond_noise(9.0 * 1.21, 9.0, 200.0) > 0.0
+
+
+def test_white_noise_by_pieces_is_that_of_the_whole(monkeypatch: pytest.MonkeyPatch) -> None:
+    values = motion(3000) + np.random.default_rng(4).standard_normal(3000)
+    values[100:120] = np.nan
+    fourth = np.diff(values[np.isfinite(values)], 4) / np.sqrt(70.0)
+    monkeypatch.setattr(noise, "_PIECE", 100)
+    assert noise.white_noise(values) == 1.4826 * np.median(np.abs(fourth - np.median(fourth)))
+
+
+def test_white_noise_of_a_long_column_takes_little_more_than_another() -> None:
+    values = motion(1_000_000)
+    tracemalloc.start()
+    try:
+        noise.white_noise(values)
+        most = tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+    assert most < 1.5 * values.nbytes
+
+
+def test_finite_values_are_the_column_itself_where_all_are() -> None:
+    values = np.arange(5.0)
+    assert noise.finite(values) is values
+    values = np.array([1.0, np.nan, np.inf, 2.0])
+    np.testing.assert_array_equal(noise.finite(values), [1.0, 2.0])

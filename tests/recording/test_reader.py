@@ -121,6 +121,14 @@ def test_one_row_is_said_in_the_singular(tmp_path: Path) -> None:
     ]
 
 
+def test_missing_numbers_of_a_parquet_in_groups_of_rows_stay_missing(tmp_path: Path) -> None:
+    pressure = [None if i % 7 == 3 else 1e5 + i for i in range(50)]
+    whole = pa.table({"time [s]": np.arange(50.0), "p.pressure_1 [Pa]": pressure})
+    parquet.write_table(whole, tmp_path / "a.parquet", row_group_size=8)
+    found = read(tmp_path / "a.parquet").recording["p.pressure_1"]
+    np.testing.assert_array_equal(found, [np.nan if one is None else one for one in pressure])
+
+
 @pytest.mark.parametrize("name", ["no.csv", "no.rrd", "no.parquet"])
 def test_missing_and_cut_files(tmp_path: Path, name: str) -> None:
     with pytest.raises(RecordingError, match="no such recording"):

@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.policy.recordings import COMPUTED, SENSOR_SHOWS
-from exo_sim.recording.noise import FEWEST_FOR_NOISE, white_noise
+from exo_sim.recording.noise import FEWEST_FOR_NOISE, finite, white_noise
 from exo_sim.recording.table import Recording
 
 
 def is_computed(values: NDArray[np.float64]) -> bool:
     """Return whether a column, shape (n,), varies with less noise than any instrument has; too few samples do not show that."""
-    there = values[np.isfinite(values)]
+    there = finite(values)
     return there.size >= FEWEST_FOR_NOISE and float(np.ptp(there)) > 0.0 and white_noise(values) < COMPUTED * _reach(there)
 
 
@@ -27,13 +27,15 @@ def was_computed(table: Recording) -> bool:
 
     Of a position, whose zero is anybody's choice, what it varies counts.
     """
-    measured = [
-        values[np.isfinite(values)] - (np.nanmedian(values) if key.endswith(".position") else 0.0)
-        for key, values in table.columns.items()
-        if _is_measured(key) and np.isfinite(values).any()
-    ]
-    varying = [values for values in measured if values.size >= FEWEST_FOR_NOISE and np.ptp(values) > 0.0]
-    return bool(varying) and all(is_computed(values) for values in varying)
+    is_any = False
+    for key, values in table.columns.items():
+        there = finite(values) if _is_measured(key) else values[:0]
+        if there.size < FEWEST_FOR_NOISE or not np.ptp(there) > 0.0:
+            continue
+        is_any = True
+        if not is_computed(there - np.median(there) if key.endswith(".position") else there):
+            return False
+    return is_any
 
 
 def shown_noise(noise: float, values: NDArray[np.float64], of_computed: bool) -> float:
@@ -45,7 +47,7 @@ def shown_noise(noise: float, values: NDArray[np.float64], of_computed: bool) ->
         of_computed: Whether the recording that it is of was computed as a whole.
     """
     replaced = of_computed and is_computed(values)
-    return max(noise, SENSOR_SHOWS * _reach(values[np.isfinite(values)])) if replaced else noise
+    return max(noise, SENSOR_SHOWS * _reach(finite(values))) if replaced else noise
 
 
 def computed(tables: Iterable[Recording], signals: Sequence[str]) -> tuple[str, ...]:
@@ -74,4 +76,4 @@ def remark(columns: Sequence[str]) -> str:
 
 
 def _reach(there: NDArray[np.float64]) -> float:
-    return float(np.abs(there).max(initial=0.0))
+    return max(float(there.max(initial=0.0)), -float(there.min(initial=0.0)))

@@ -179,7 +179,7 @@ def cylinder_runs(
         length, speed, position_noise = known.get(name, (None, None, 0.0))
         placed = _position(recording, name, links)
         p_1, p_2 = (_where_placed(recording, placed, one) for one in (p_1, p_2))
-        held = [np.zeros_like(recording.time) if one is None else np.clip(forward_filled(one), -1.0, 1.0) for one in commands]
+        held = [np.zeros_like(recording.time) if one is None else _within_one(forward_filled(one)) for one in commands]
         runs.append(
             CylinderRun(
                 recording=recording.name, cylinder=name, time=recording.time, command=held[0], length=length, speed=speed,
@@ -191,6 +191,11 @@ def cylinder_runs(
             )  # fmt: skip
         )
     return runs
+
+
+def _within_one(command: Array) -> Array:
+    """Return a command cut to -1 to 1, shape (n,): the array itself where it leaves that nowhere."""
+    return command if command.min() >= -1.0 and command.max() <= 1.0 else np.clip(command, -1.0, 1.0)
 
 
 def _position(recording: Recording, cylinder: str, links: tuple[Linkage, ...]) -> Array | None:

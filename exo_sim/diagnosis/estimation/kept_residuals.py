@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 _Key = tuple[bytes, bytes, tuple[tuple[str, float], ...]]
 
 #: Residuals are kept up to so many bytes together.
-MOST_BYTES = 32_000_000
+MOST_BYTES = 16_000_000
 
 
 class KeptResiduals:

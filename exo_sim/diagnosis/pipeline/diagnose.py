@@ -77,6 +77,7 @@ def diagnose(
     report("reading")
     return_large_arrays()
     data = gather(recordings, rig, column_map)
+    return_freed()  # what filters of its columns took
     data.rig.check_no_recovery("a recording")
     with Threads(jobs or os.cpu_count() or 1) as threads:  # what is reported of rivals is fitted as well
         stable = examine_until_stable(data, threads, report, allowed)
@@ -101,8 +102,10 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     return_freed()
     fitted = fitted_to_machine(data, update, split, threads, allowed.is_spent)
     report("running it")
+    return_freed()
     kept, said = accepted(data, update, split, allowed.is_spent, fitted)
     is_changed = kept.update is not update
+    return_freed()  # what its runs took
     without_noise = computed_columns.computed(data.recordings, list(dict.fromkeys([*test.signals, *kept.free_run])))
     noise_said = [computed_columns.remark(without_noise)] if without_noise else []
     together = [_TOGETHER] if kept.update.is_fitted_together and kept.update.parts else []

@@ -11,6 +11,7 @@ from exo_sim.diagnosis.data import open_questions
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.pipeline.contradiction import contradicted_faults
+from exo_sim.diagnosis.pipeline.freed_memory import return_freed
 from exo_sim.diagnosis.pipeline.gas_stage import Searched, examine_gas
 from exo_sim.diagnosis.pipeline.hidden_give import friction_behind_hidden_give
 from exo_sim.diagnosis.pipeline.motion_stage import JudgedBalances, balances_left_open, examine_motion
@@ -37,6 +38,7 @@ def examine(
         searched, judged: What earlier rounds searched, and judged.
     """
     data, gas = examine_gas(data, plan, threads, report, searched)
+    return_freed()  # what its fits took
     uncorrected = with_imputed_pressures(data, gas, plan.split)
     data = with_corrected_pressures(uncorrected, gas, plan.split)
     results = Results(gas, examine_supply(data, gas, plan, threads, report), examine_motion(data, plan, threads, report, judged))
@@ -66,6 +68,7 @@ def validated(examination: Examination) -> Examination:
     examination.plan.budget.allow_until(VALIDATION_UNTIL)
     examination = _without_doubtful_remainders(examination)
     split, results = examination.plan.split, examination.results.all
+    return_freed()  # what was searched with
     unknown = unknown_effects(results)
     validation = held_out_errors(results, unknown, split.validation_as_test(), keep_series=False) if split.validation else None
     return replace(examination, unknown=unknown, validation=validation, test=held_out_errors(results, unknown, split))

@@ -72,7 +72,9 @@ class WindowErrors:
         }
 
     def _as_seen(self, rig: Rig) -> MachineData:
-        """Return the recordings as a rig sees them; what the one handed in and the latest improved one see is kept."""
+        """Return the recordings as a rig sees them; of short ones what the one handed in and the latest improved one see is kept."""
+        if self._is_cut:
+            return gather_again(self._data, rig, self._tables)
         place = rig is self._data.rig
         if place not in self._seen or self._seen[place][0] is not rig:
             self._seen[place] = rig, gather_again(self._data, rig, self._tables)

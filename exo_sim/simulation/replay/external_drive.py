@@ -88,14 +88,8 @@ def _power_shares(
     time = recording.time
     every = max(1, len(time) // MOST_SAMPLES)
     usual = float(np.median(np.diff(time)))
-    moves = [
-        smoothed(time, recording[f"{model.joint(j).name}.position"], max(POWER_SMOOTHING, 5 * usual)) for j in joints
-    ]
     pick = np.arange(0, len(time), every)
-    q, qd, qdd = np.zeros((len(pick), model.nq)), np.zeros((len(pick), model.nv)), np.zeros((len(pick), model.nv))
-    for j, (position, velocity, acceleration) in zip(joints, moves, strict=True):
-        q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]] = position[pick], velocity[pick]
-        qdd[:, model.jnt_dofadr[j]] = acceleration[pick]
+    q, qd, qdd = _motion(recording, model, joints, pick, max(POWER_SMOOTHING, 5 * usual))
     drive, known = _drive(recording, rig, links, pick)
     needed, gas = np.zeros((len(pick), model.nv)), np.zeros((len(pick), model.nv))
     data = mujoco.MjData(model)
@@ -127,6 +121,19 @@ def _power_shares(
     return shares
 
 
+def _motion(
+    recording: Recording, model: mujoco.MjModel, joints: Sequence[int], pick: NDArray[np.int64], seconds: float
+) -> tuple[Array, Array, Array]:  # fmt: skip
+    """Return positions, velocities and accelerations at some samples, smoothed: shape (picked, nq) and (picked, nv) twice."""
+    n = len(pick)
+    q, qd, qdd = np.zeros((n, model.nq)), np.zeros((n, model.nv)), np.zeros((n, model.nv))
+    for j in joints:
+        position, velocity, acceleration = smoothed(recording.time, recording[f"{model.joint(j).name}.position"], seconds)
+        q[:, model.jnt_qposadr[j]], qd[:, model.jnt_dofadr[j]] = position[pick], velocity[pick]
+        qdd[:, model.jnt_dofadr[j]] = acceleration[pick]
+    return q, qd, qdd
+
+
 def _is_free(model: mujoco.MjModel, joint: int, recording: Recording, sides: Sequence[str]) -> NDArray[np.bool_]:
     """Return where no stop pushes a joint and all was recorded, as far as the smoothed motion shows it, shape (n,).
 
@@ -136,9 +143,9 @@ def _is_free(model: mujoco.MjModel, joint: int, recording: Recording, sides: Seq
         sides: Columns of what drives it.
     """
     column, time = f"{model.joint(joint).name}.position", recording.time
-    position = _filled(recording, column, np.arange(len(time)))
-    assert position is not None
-    spoilt = touches_stop(model, joint, position, white_noise(recording[column]))
+    position, there = recording[column], np.isfinite(recording[column])
+    filled = position if there.all() else np.interp(time, time[there], position[there])
+    spoilt = touches_stop(model, joint, filled, white_noise(position))
     spoilt[mended_at(time, recording.breaks)] = True
     for key in (column, *(side for side in sides if side in recording)):
         for begin, end in holes(time, recording[key]):
@@ -187,6 +194,8 @@ def _filled(recording: Recording, key: str, pick: NDArray[np.int64]) -> Array | 
         return None
     values = recording[key]
     good = np.isfinite(values)
+    if good.all():
+        return values[pick]
     return np.interp(recording.time[pick], recording.time[good], values[good])
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import fields, replace
+from pathlib import Path
 
+import benches
 import numpy as np
 import pytest
 from diagnosis import cylinder_runs
@@ -12,6 +14,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
+from exo_sim.diagnosis.data.cylinder_run import cylinder_runs as runs_of
+from exo_sim.machine.linkage import linkages
+from exo_sim.machine.rig_model import load
 
 N = 60
 OTHERS = (
@@ -104,3 +109,16 @@ def test_a_valve_that_stays_open(command: float, commanded: bool, stays: bool) -
     pressure = np.linspace(5e5, 4e5, N)
     assert cylinder_runs.run_of(pressure, command=np.full(N, command), commanded=commanded).stays_open is stays
     assert not cylinder_runs.run_of(pressure, command=np.linspace(0.2, command, N), commanded=commanded).stays_open
+
+
+@pytest.mark.parametrize("most", [1.0, 1.2])
+def test_a_command_is_cut_to_full_opening_and_is_the_column_itself_where_it_keeps_within(most: float, tmp_path: Path) -> None:
+    rig = benches.bench(tmp_path)
+    table = benches.led(rig, 0.1)
+    command = most * np.sin(np.arange(len(table.time)) * 0.1)
+    command[10] = most
+    table = replace(table, columns={**table.columns, "piston.valve_command": command})
+    model = load(rig)
+    (run,) = runs_of(table, rig, model, linkages(rig, model))
+    np.testing.assert_array_equal(run.command, np.clip(command, -1.0, 1.0))
+    assert (run.command is command) == (most == 1.0)

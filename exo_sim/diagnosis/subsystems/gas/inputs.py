@@ -18,8 +18,8 @@ from exo_sim.recording.windows import local_range, window_starts
 
 Array = NDArray[np.float64]
 
-#: Delayed commands are kept up to so many samples, the latest: a fit asks for a few delays again and again, then never more.
-MOST_KEPT = 200_000
+#: Delayed commands are kept up to so many samples, the latest at least: a fit asks for a few delays again and again, then never more.
+MOST_KEPT = 400_000
 #: The usual longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
 HOSE_STEP = 5e-4
 #: Samples that estimate the pressure at the start of a window, and the longest time that they may span [s].
@@ -100,7 +100,7 @@ class GasInputs:
         found = late_commands(self.time, np.stack([self.command, self.command_2], axis=1), delay)
         with self._lock:
             self._delayed[delay] = found
-            while len(self._delayed) > max(4, MOST_KEPT // len(self.time)):
+            while len(self._delayed) > max(1, MOST_KEPT // len(self.time)):
                 self._delayed.popitem(last=False)
         return found
 

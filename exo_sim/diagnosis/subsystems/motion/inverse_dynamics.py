@@ -29,7 +29,7 @@ from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smooth
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop
 from exo_sim.diagnosis.subsystems.motion.unjudged_balance import bound_by_model, not_recorded, rarely_free, rarely_known, rarely_whole
 from exo_sim.machine.linkage import Linkage, moment_row
-from exo_sim.recording.filters import SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion
+from exo_sim.recording.filters import PIECE, EvenClock, SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion
 from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
 from exo_sim.recording.windows import clock_breaks
@@ -202,17 +202,26 @@ def _drive(
     seconds: float,
 ) -> tuple[Drive, Array, Array, float]:
     """Return the drive, position and velocity where friction acts, and the balance's variance with that of the drive added."""
-    time, every = recording.time, stride(recording.time)
+    time, every, clock = recording.time, stride(recording.time), EvenClock.of(recording.time)
     n = len(dynamics.arms)
-    keep = noise_gain(0, seconds, float(np.median(np.diff(time))))
+    keep = noise_gain(0, seconds, clock.usual)
     atmosphere = rig.environment.pressure
 
-    def at_joint(lever: Array, values: Array) -> Array:
-        led = lever if every == 1 else np.interp(time, thinned(time, every), lever)
-        return thinned(gaussian_smoothed(time, led * values, seconds), every)
+    def at_joint(lever: Array, values: Array, less: float = 0.0, area: float = 1.0) -> Array:
+        """Return what a lever makes of the values, less a constant, times an area, behind the filter."""
+        led = lever.copy() if every == 1 else np.interp(time, thinned(time, every), lever)
+        for begin in range(0, len(led), PIECE):  # of an hour each product takes as much as a column
+            piece = slice(begin, begin + PIECE)
+            led[piece] *= (values[piece] - less) * area
+        return thinned(gaussian_smoothed(time, led, seconds, clock), every)
 
-    def gauge_of(smooth: Array | None) -> Array:
-        return np.zeros(n) if smooth is None else thinned(restored(time, smooth, seconds), every) - atmosphere
+    def behind_filter(pressure: Array | None, is_restored: bool) -> tuple[Array | None, Array]:
+        """Return a pressure behind the filter, and the same restored, above the atmosphere, where that is asked for."""
+        if pressure is None:
+            return None, np.zeros(n)
+        smooth = gaussian_smoothed(time, pressure, seconds, clock)
+        above = thinned(restored(time, smooth, seconds, clock), every) - atmosphere if is_restored else np.zeros(n)
+        return thinned(smooth, every), above
 
     force, gauge, arm = np.zeros(n), np.zeros((n, 2)), np.ones(n)
     levers: dict[str, Array] = {}
@@ -225,24 +234,24 @@ def _drive(
         lever = dynamics.arms[:, index]
         cell = recording.get(f"{link.cylinder}.force")
         pressures = [recording.get(f"{link.cylinder}.pressure_{s}") for s in (1, 2)]
-        behind = [None if p is None else gaussian_smoothed(time, p, seconds) for p in pressures]
-        smooth = [None if p is None else thinned(p, every) for p in behind]
+        acts_alone = len(driven) == 1 and cell is None
+        smooth, gauges = zip(*(behind_filter(p, acts_alone) for p in pressures), strict=True)
         if cell is not None:  # what the piston loses is in the balance along its rod
-            signals[f"{link.cylinder}.force"] = thinned(gaussian_smoothed(time, cell, seconds), every)
+            signals[f"{link.cylinder}.force"] = thinned(gaussian_smoothed(time, cell, seconds, clock), every)
             force += at_joint(lever, cell)
             levers[f"{link.cylinder}.force"] = lever
             variance += float(np.mean(lever**2)) * (white_noise(cell) * keep) ** 2
         else:
             for p, area in zip(pressures, (c.area_1, 0.0 if c.single_acting else -c.area_2), strict=True):
-                force += np.zeros(n) if p is None else at_joint(lever, (p - atmosphere) * area)
+                force += np.zeros(n) if p is None else at_joint(lever, p, atmosphere, area)
             for s, (p, filtered, area) in enumerate(zip(pressures, smooth, (c.area_1, -c.area_2), strict=True)):
                 if p is not None and filtered is not None:
                     levers[f"{link.cylinder}.pressure_{s + 1}"] = lever * area
                     signals[f"{link.cylinder}.pressure_{s + 1}"] = filtered - atmosphere
                     variance += float(np.mean((lever * area) ** 2)) * (white_noise(p) * keep) ** 2
-        if len(driven) == 1 and cell is None:
+        if acts_alone:
             cylinder, arm = link.cylinder, lever
-            gauge = np.column_stack([gauge_of(p) for p in behind])
+            gauge = np.column_stack(gauges)
             position = dynamics.lengths[:, index] - c.retracted_length
             velocity = lever * move.velocity
     return Drive(force, cylinder, arm, gauge, levers, signals), position, velocity, variance

@@ -6,6 +6,7 @@ import hashlib
 import pickle
 from collections import OrderedDict
 from collections.abc import Callable
+from dataclasses import fields, is_dataclass
 from threading import Lock
 from typing import Any, Generic, TypeVar
 
@@ -14,8 +15,8 @@ import numpy as np
 
 Result = TypeVar("Result")
 
-#: Results that are kept.
-MOST = 4
+#: Results that are kept, and the bytes up to which all of them together are: an hour's dynamics are asked for once.
+MOST, MOST_BYTES = 4, 32_000_000
 
 
 class KeptDynamics(Generic[Result]):
@@ -41,9 +42,16 @@ class KeptDynamics(Generic[Result]):
         result = work_out()
         with self._lock:
             self._kept[key] = result
-            while len(self._kept) > MOST:
+            while len(self._kept) > MOST or sum(map(_bytes_of, self._kept.values())) > MOST_BYTES:
                 self._kept.popitem(last=False)
         return result
+
+
+def _bytes_of(result: Any) -> int:
+    """Return how much the arrays of a result take, those of records in it too."""
+    if isinstance(result, np.ndarray):
+        return int(result.nbytes)
+    return sum(_bytes_of(getattr(result, one.name)) for one in fields(result)) if is_dataclass(result) else 0
 
 
 def _digest(model: mujoco.MjModel, along: tuple[Any, ...]) -> bytes:

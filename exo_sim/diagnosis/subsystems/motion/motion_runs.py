@@ -44,13 +44,16 @@ def motion_runs(recording: Recording, rig: Rig, model: mujoco.MjModel, links: tu
     narrowest = smoothing_width(recording.time)
     if noisy:
         asked = asked_width(recording.time, positions, recording.breaks)
-        enough = ROWS_ENOUGH if _rows(usual[0]) >= ROWS_ENOUGH else 0
+        if asked.seconds <= narrowest:
+            return usual
+        count, enough = len(usual[0]), ROWS_ENOUGH if _rows(usual[0]) >= ROWS_ENOUGH else 0
+        del usual  # an hour of it beside that behind a wider filter is a tenth of a gigabyte
         while asked.seconds > narrowest:
             wider = balances(recording, rig, model, links, asked)
-            if len(wider[0]) == len(usual[0]) and _rows(wider[0]) >= enough:
+            if len(wider[0]) == count and _rows(wider[0]) >= enough:
                 return wider
             asked = asked_width(recording.time, positions, recording.breaks, asked.seconds / WIDER)
-        return usual
+        return balances(recording, rig, model, links, None)
     noise, still = tuple(white_noise(values) for values in positions), (0.0,) * len(names)
     tried = [AskedWidth(seconds, noise, still) for seconds in _narrower(narrowest, least_width(recording.time))]
     every = [usual, *(balances(recording, rig, model, links, one) for one in tried)]

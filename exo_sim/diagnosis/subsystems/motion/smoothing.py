@@ -22,12 +22,12 @@ MOST_SAMPLES, FEWEST_IN_FILTER = 400_000, 6
 
 def smoothing_width(time: Array, asked: float = 0.0) -> float:
     """Return the width of the filter on this clock [s]: the usual, or what is asked for (see `motion_runs`); no less than the least."""
-    return _width(float(np.median(np.diff(time))), asked)
+    return _width(float(np.median(np.diff(time), overwrite_input=True)), asked)
 
 
 def least_width(time: Array) -> float:
     """Return the least width of a filter on this clock [s]."""
-    return FEWEST_IN_FILTER * float(np.median(np.diff(time)))
+    return FEWEST_IN_FILTER * float(np.median(np.diff(time), overwrite_input=True))
 
 
 def _width(usual: float, asked: float) -> float:
@@ -36,7 +36,7 @@ def _width(usual: float, asked: float) -> float:
 
 def reach(time: Array, asked: float = 0.0) -> int:
     """Return how many samples to either side the filter takes from on this clock; `asked` as of `smoothing_width`."""
-    step = float(np.median(np.diff(time)))
+    step = float(np.median(np.diff(time), overwrite_input=True))
     return max(1, math.ceil(FILTER_ENDS * gaussian_width(_width(step, asked)) / step))
 
 
@@ -97,7 +97,7 @@ def _interpolation(at: Array, time: Array) -> sparse.csr_array:
 
 def stride(time: Array) -> int:
     """Return of how many samples of this clock a balance keeps one."""
-    spanned = smoothing_width(time) / float(np.median(np.diff(time)))
+    spanned = smoothing_width(time) / float(np.median(np.diff(time), overwrite_input=True))
     return max(1, min(-(-len(time) // MOST_SAMPLES), int(spanned / FEWEST_IN_FILTER + 1e-9)))
 
 

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import mujoco
 import numpy as np
+import pytest
 
+from exo_sim.diagnosis.subsystems.motion import kept_dynamics
 from exo_sim.diagnosis.subsystems.motion.kept_dynamics import MOST, KeptDynamics
 
 
@@ -31,3 +35,27 @@ def test_the_same_machine_and_motion_are_worked_out_once() -> None:
     for mass in range(2, 2 + MOST):
         found(float(mass), np.zeros(3))
     assert found(1.0, np.zeros(3)) == 4 + MOST
+
+
+@dataclass(frozen=True)
+class Forces:
+    """Results with an array of their own."""
+
+    force: np.ndarray
+
+
+def test_so_many_bytes_are_kept_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kept_dynamics, "MOST_BYTES", 1000)
+    asked: list[float] = []
+    kept: KeptDynamics[Forces] = KeptDynamics()
+
+    def found(mass: float, count: int) -> None:
+        def work_out() -> Forces:
+            asked.append(mass)
+            return Forces(np.zeros(count))
+
+        kept.of(arm(mass), (), work_out)
+
+    for mass, count in ((1.0, 50), (2.0, 50), (1.0, 50), (3.0, 100), (1.0, 50), (4.0, 500), (4.0, 500)):
+        found(mass, count)
+    assert asked == [1.0, 2.0, 3.0, 1.0, 4.0, 4.0]

@@ -13,7 +13,7 @@ from exo_sim.physics.plant_records import CYLINDER
 from exo_sim.physics.terms import TERMS
 
 #: Effects of a family that has nothing to do in the balances, by which the paths of the valve differ all the same.
-_ON_PATHS = ("valve_edges",)
+_ON_PATHS = ("valve_edges", "valve_characteristic")
 
 
 def effects_on_gas() -> tuple[str, ...]:

@@ -10,6 +10,7 @@ from exo_sim.physics.effects import (
     line_restriction,
     supply_droop,
     supply_regulator,
+    valve_characteristic,
     valve_edges,
     valve_null_leakage,
 )
@@ -152,9 +153,11 @@ def tank_state(world, y, shared: int):
 @inlined_kernel
 def path_areas(c, opening_1: float, opening_2: float) -> tuple[float, float, float, float]:
     """Return the areas of supply->1, 1->exhaust, supply->2, 2->exhaust [m^2]; a vented cylinder has both exhausts open."""
-    if c.vented == 0.0 and valve_edges.present(c.valve_edges):
+    if c.vented == 0.0 and (valve_edges.present(c.valve_edges) or valve_characteristic.present(c.valve_characteristic)):
         closed = valve_null_leakage.closed_area(c.valve_null_leakage)
-        return valve_edges.path_areas(c.valve_edges, opening_1, opening_2, c.valve_deadband.width, c.valve_area, closed)
+        return valve_edges.path_areas(
+            c.valve_edges, c.valve_characteristic, opening_1, opening_2, c.valve_deadband.width, c.valve_area, closed
+        )
     return plain_path_areas(c, opening_1, opening_2)
 
 

@@ -16,6 +16,7 @@ from exo_sim.physics.effects import (
     spool_rate_limit,
     supply_droop,
     supply_regulator,
+    valve_characteristic,
     valve_deadband,
     valve_edges,
     valve_hysteresis,
@@ -81,8 +82,8 @@ def regulator_gain(world, cylinders, spool) -> float:
 
 @inlined_kernel
 def opening(c, spool: float) -> float:
-    """Return the relative opening that a spool at this place gives, -1 to 1; the place itself where each edge has its own overlap."""
-    if valve_edges.present(c.valve_edges):
+    """Return the relative opening that a spool at this place gives, -1 to 1; the place itself where each edge has its own way to open."""
+    if valve_edges.present(c.valve_edges) or valve_characteristic.present(c.valve_characteristic):
         return valve_offset.shifted(c.valve_offset, spool)
     return valve_deadband.opening(c.valve_deadband, valve_offset.shifted(c.valve_offset, spool))
 

@@ -14,7 +14,7 @@ from exo_sim.physics.declaration import declared
 from exo_sim.trials.hidden_effects import CALIBRATIONS, EFFECTS, LISTED, OUTSIDE, SENSORS
 
 #: What no case conceals: richer forms of another effect, a number of the numerics, a curve for what has no name.
-NOT_CONCEALED = {"friction_smoothing", "heat_transfer_law", "unknown", "valve_edges"}
+NOT_CONCEALED = {"friction_smoothing", "heat_transfer_law", "unknown", "valve_characteristic", "valve_edges"}
 
 
 @pytest.fixture

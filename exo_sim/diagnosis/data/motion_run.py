@@ -59,7 +59,10 @@ class Inertia:
 
 @dataclass(frozen=True)
 class Passive:
-    """What springs and dampers of the MJCF exert: `force` together, `damping` the damper alone, None where there is none."""
+    """What springs and dampers of the MJCF exert: `force` together, `damping` the damper alone, None where there is none.
+
+    Where several cylinders drive the joint, `force` is also what the rig says that their pistons meet.
+    """
 
     force: Array
     damping: Array | None = None

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.effects import valve_characteristic
 
 #: The four edges, in the order of the valve's paths: from the supply to a chamber, from a chamber to the exhaust.
 EDGES = ("supply_1", "exhaust_1", "supply_2", "exhaust_2")
@@ -70,25 +71,32 @@ def present(p) -> bool:
 
 
 @kernel
-def opening(command: float, overlap: float) -> float:
-    """Return the relative opening of an edge, 0 to 1, under a command that is positive where it opens the edge."""
+def opening(command: float, overlap: float, characteristic) -> float:
+    """Return the relative opening of an edge, 0 to 1, under a command that is positive where it opens the edge.
+
+    Args:
+        characteristic: Numbers of `valve_characteristic`.
+    """
+    if valve_characteristic.present(characteristic):
+        return valve_characteristic.curved(characteristic, (command - overlap) / max(1.0 - overlap, 1e-6))
     return min(max(command - overlap, 0.0) / max(1.0 - overlap, 1e-6), 1.0)
 
 
 @kernel
 def path_areas(
-    p, command_1: float, command_2: float, width: float, area: float, closed_area: float
+    p, characteristic, command_1: float, command_2: float, width: float, area: float, closed_area: float
 ) -> tuple[float, float, float, float]:
     """Return the areas supply->1, 1->exhaust, supply->2, 2->exhaust [m^2].
 
     Args:
+        characteristic: Numbers of `valve_characteristic`.
         command_1, command_2: Of the spool to each chamber, before any dead-band; opposite of each other where one spool serves both.
         width: Of the dead-band, which every overlap comes on top of.
         area, closed_area: As of `valve_areas.path_areas`.
     """
     return (
-        area * (1.0 + p.excess_supply_1) * opening(command_1, width + p.overlap_supply_1) + closed_area,
-        area * (1.0 + p.excess_exhaust_1) * opening(-command_1, width + p.overlap_exhaust_1) + closed_area,
-        area * (1.0 + p.excess_supply_2) * opening(command_2, width + p.overlap_supply_2) + closed_area,
-        area * (1.0 + p.excess_exhaust_2) * opening(-command_2, width + p.overlap_exhaust_2) + closed_area,
+        area * (1.0 + p.excess_supply_1) * opening(command_1, width + p.overlap_supply_1, characteristic) + closed_area,
+        area * (1.0 + p.excess_exhaust_1) * opening(-command_1, width + p.overlap_exhaust_1, characteristic) + closed_area,
+        area * (1.0 + p.excess_supply_2) * opening(command_2, width + p.overlap_supply_2, characteristic) + closed_area,
+        area * (1.0 + p.excess_exhaust_2) * opening(-command_2, width + p.overlap_exhaust_2, characteristic) + closed_area,
     )

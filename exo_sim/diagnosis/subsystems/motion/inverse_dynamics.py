@@ -25,6 +25,7 @@ from exo_sim.diagnosis.subsystems.motion.filter_width import AskedWidth
 from exo_sim.diagnosis.subsystems.motion.forces_recorded import columns_of_balance, recorded
 from exo_sim.diagnosis.subsystems.motion.kept_dynamics import KeptDynamics
 from exo_sim.diagnosis.subsystems.motion.moving_masses import MovingMasses, payload, with_twice_the_payload
+from exo_sim.diagnosis.subsystems.motion.resistance import resistance_along
 from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smoothing_width, stride, thinned
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop
 from exo_sim.diagnosis.subsystems.motion.unjudged_balance import bound_by_model, not_recorded, rarely_free, rarely_known, rarely_whole
@@ -33,7 +34,7 @@ from exo_sim.recording.filters import PIECE, EvenClock, SmoothedMotion, gaussian
 from exo_sim.recording.noise import white_noise
 from exo_sim.recording.table import Recording
 from exo_sim.recording.windows import clock_breaks
-from exo_sim.rig import Rig
+from exo_sim.rig import Rig, assembly
 
 Array = NDArray[np.float64]
 
@@ -200,8 +201,11 @@ def _gravity(model: mujoco.MjModel, q: Array) -> Array:
 def _drive(
     recording: Recording, rig: Rig, driven: Sequence[Linkage], dynamics: _Dynamics, move: SmoothedMotion, variance: float,
     seconds: float,
-) -> tuple[Drive, Array, Array, float]:
-    """Return the drive, position and velocity where friction acts, and the balance's variance with that of the drive added."""
+) -> tuple[Drive, Array, Array, float, Array]:
+    """Return the drive, position and velocity where friction acts, the balance's variance with that of the drive added, and a last thing.
+
+    That is what resists pistons by the rig where several drive the joint, at the joint and before the filter [N or N m], shape (n,).
+    """
     time, every, clock = recording.time, stride(recording.time), EvenClock.of(recording.time)
     n = len(dynamics.arms)
     keep = noise_gain(0, seconds, clock.usual)
@@ -227,15 +231,15 @@ def _drive(
     levers: dict[str, Array] = {}
     signals: dict[str, Array] = {}
     cylinder: str | None = None
-    position, velocity = move.position, move.velocity
+    position, velocity, resisted = move.position, move.velocity, np.zeros(n)
+    records, thin = assembly.cylinders(rig), thinned(time, every)
     for link in driven:
         c = rig.cylinders[link.cylinder]
         index = list(rig.cylinders).index(link.cylinder)
         lever = dynamics.arms[:, index]
         cell = recording.get(f"{link.cylinder}.force")
         pressures = [recording.get(f"{link.cylinder}.pressure_{s}") for s in (1, 2)]
-        acts_alone = len(driven) == 1 and cell is None
-        smooth, gauges = zip(*(behind_filter(p, acts_alone) for p in pressures), strict=True)
+        smooth, gauges = zip(*(behind_filter(p, cell is None) for p in pressures), strict=True)
         if cell is not None:  # what the piston loses is in the balance along its rod
             signals[f"{link.cylinder}.force"] = thinned(gaussian_smoothed(time, cell, seconds, clock), every)
             force += at_joint(lever, cell)
@@ -249,12 +253,16 @@ def _drive(
                     levers[f"{link.cylinder}.pressure_{s + 1}"] = lever * area
                     signals[f"{link.cylinder}.pressure_{s + 1}"] = filtered - atmosphere
                     variance += float(np.mean((lever * area) ** 2)) * (white_noise(p) * keep) ** 2
-        if acts_alone:
-            cylinder, arm = link.cylinder, lever
-            gauge = np.column_stack(gauges)
-            position = dynamics.lengths[:, index] - c.retracted_length
-            velocity = lever * move.velocity
-    return Drive(force, cylinder, arm, gauge, levers, signals), position, velocity, variance
+        if cell is not None:
+            continue
+        at_piston, pressed = dynamics.lengths[:, index] - c.retracted_length, np.column_stack(gauges)
+        if len(driven) == 1:
+            cylinder, arm, gauge, position, velocity = link.cylinder, lever, pressed, at_piston, lever * move.velocity
+        else:
+            own = np.empty(n)
+            resistance_along(records[index], thin, at_piston, lever * move.velocity, pressed, own)
+            resisted += lever * own
+    return Drive(force, cylinder, arm, gauge, levers, signals), position, velocity, variance, resisted
 
 
 def _run(
@@ -271,7 +279,7 @@ def _run(
     shaken = sum((mass * one.position_noise * noise_gain(2, seconds, step)) ** 2 for mass, one in zip(masses, moves, strict=True))
     external = recording.get(f"{name}.external_force")
     variance = shaken + sum((mass * bias) ** 2 for mass, bias in zip(masses, lost, strict=True))
-    drive, position, velocity, variance = _drive(recording, rig, driven, dynamics, move, variance, seconds)
+    drive, position, velocity, variance, resisted = _drive(recording, rig, driven, dynamics, move, variance, seconds)
     pushed = np.zeros(len(time)) if external is None else thinned(gaussian_smoothed(recording.time, external, seconds), every)
     if external is not None:
         column = f"{name}.external_force"
@@ -299,7 +307,7 @@ def _run(
             alone=model.nv == 1,
             noise=float(np.sqrt(shaken)),
         ),
-        passive=Passive(dynamics.passive[:, dof], damped),
+        passive=Passive(dynamics.passive[:, dof] - smoothed_alike(time, resisted, asked=smoothing), damped),
         drive=drive,
         external=pushed,
         noise=float(np.sqrt(variance)),

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
 import benches
 import numpy as np
 import pytest
 
+from exo_sim import rig as rigs
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
@@ -88,3 +90,43 @@ def test_around_a_reversal_nothing_is_compared(rig: Rig, table: Recording) -> No
     velocity = np.where(np.arange(len(run.time)) < 1500, 0.2, -0.2)  # no sample of it rests
     group = rows_of(replace(run, kinematics=replace(run.kinematics, velocity=velocity)), np.ones(len(run.time), dtype=bool)).group
     assert np.all(group[1490:1510] == -1) and np.any(group[1400:1480] >= 0) and np.any(group[1520:1600] >= 0)
+
+
+def test_what_a_rig_says_of_the_friction_of_two_pistons_at_one_joint_is_no_missing_force(tmp_path: Path) -> None:
+    """Dry friction, damping and a spring of each, through its own lever: nothing of it is lacking, and all of it without those tables."""
+    known = (
+        "[effects.coulomb_friction.piston]\nforce = '6 N'\n[effects.coulomb_friction.other]\nforce = '10 N'\n"
+        "[effects.viscous_friction.other]\ncoefficient = '40 N s/m'\n"
+    )
+    rig = _pair(tmp_path, known)
+    t = np.arange(3000) / 1000.0
+    position, velocity, n = 0.04 * np.sin(2 * np.pi * t), 0.08 * np.pi * np.cos(2 * np.pi * t), len(t)
+    acceleration = -((2 * np.pi) ** 2) * position
+    area_1, area_2 = rig.cylinders["piston"].area_1, rig.cylinders["piston"].area_2
+    resists = 16.0 * np.sign(velocity) + 40.0 * velocity
+    columns = {f"{name}.pressure_{side}": np.full(n, 3e5) for name in ("piston", "other") for side in (1, 2)}
+    columns |= {f"{name}.valve_command": np.zeros(n) for name in ("piston", "other")}
+    columns["piston.pressure_1"] = 3e5 + (8.0 * acceleration + resists) / area_1
+    standing = 2.0 * (3e5 - 101325.0) * (area_1 - area_2)  # what equal pressures push: the other piston the other way
+    run = balance(rig, benches.recording(t, {**columns, "slide.position": position}))
+    bare = balance(_pair(tmp_path, ""), benches.recording(t, {**columns, "slide.position": position}))
+    assert run.drive.cylinder is None and standing > 0.0
+    far = np.abs(run.kinematics.velocity) > 0.1
+    for one, left in ((run, 0.0), (bare, 16.0 + 40.0 * float(np.mean(np.abs(velocity[far]))))):
+        lacks = (one.drive.force - one.demand) * np.sign(one.kinematics.velocity)
+        assert float(np.mean(lacks[far])) == pytest.approx(left, abs=0.3)
+
+
+def _pair(folder: Path, more: str) -> Rig:
+    """Return a mass on a slide between two cylinders that push against each other."""
+    rig = benches.bench(folder)
+    own = benches.CYLINDER.split("[cylinders.piston]")[1]
+    text = rig.text + "[cylinders.other]" + own.replace("cylinders.piston", "cylinders.other").replace('"piston"', '"other"') + more
+    model = benches.MODEL.format(
+        actuator='<tendon><fixed name="back"><joint joint="slide" coef="-1"/></fixed></tendon>'
+        '<actuator><motor name="piston" joint="slide"/><motor name="other" tendon="back"/></actuator>'
+    )
+    (folder / "bench.xml").write_text(model)
+    path = folder / "pair.toml"
+    path.write_text(text)
+    return rigs.read(path)

@@ -31,6 +31,7 @@ ABOUT = {
     "subsystems/gas/unknown_curve.py": {"unknown"},
     # where the pressure sensor sits, and when a command arrives
     "subsystems/gas/prediction.py": {"line_restriction", "valve_lag"},
+    "subsystems/gas/hose_step.py": {"line_restriction", "valve_lag"},
     # the leak that every cylinder has
     "subsystems/healthy_leak.py": {"external_leakage"},
     # the contact that every seal has, in two forms

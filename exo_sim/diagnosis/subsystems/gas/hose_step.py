@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
 from exo_sim.diagnosis.policy.recordings import STEP_ERROR
-from exo_sim.diagnosis.subsystems.gas.inputs import HOSE_STEP, GasInputs
-from exo_sim.diagnosis.subsystems.gas.prediction import run_gas
+from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
+from exo_sim.diagnosis.subsystems.gas.prediction import HOSE_STEP, run_gas
 from exo_sim.diagnosis.subsystems.gas.row_set import RowSet
 from exo_sim.physics.effects import line_restriction, valve_lag
 

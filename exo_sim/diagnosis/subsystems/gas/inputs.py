@@ -20,8 +20,6 @@ Array = NDArray[np.float64]
 
 #: Delayed commands are kept up to so many samples, the latest at least: a fit asks for a few delays again and again, then never more.
 MOST_KEPT = 400_000
-#: The usual longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
-HOSE_STEP = 5e-4
 #: Samples that estimate the pressure at the start of a window, and the longest time that they may span [s].
 START_SAMPLES, START_SECONDS = 15, 0.03
 
@@ -65,7 +63,7 @@ class ArrivedCommands:
 class GasInputs:
     """Inputs of one run, shape (n,) each; supply and exhaust are the rig's constants where they were not recorded.
 
-    With them goes the longest step of a prediction of what sensors behind a hose show, `hose_step` [s].
+    With them goes the longest step of a prediction of what sensors behind a hose show, `hose_step` [s]; 0 is the usual one.
     """
 
     run: CylinderRun
@@ -77,7 +75,7 @@ class GasInputs:
     supply_temperature: Array
     windows: Windows
     command_2: Array
-    hose_step: float = HOSE_STEP
+    hose_step: float = 0.0
     _delayed: OrderedDict[float, ArrivedCommands] = field(default_factory=OrderedDict)
     _lock: Lock = field(default_factory=Lock)
 

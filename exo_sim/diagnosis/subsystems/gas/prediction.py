@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.subsystems.gas.inputs import HOSE_STEP, GasInputs
+from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 from exo_sim.physics import chamber, plant, state
 from exo_sim.physics.compiled import borrow, kernel, own_array, own_copy
 from exo_sim.physics.effects import line_restriction, valve_lag
@@ -35,6 +35,8 @@ CHOKED = 0.6
 #: A throttle that stops the flow of choked gas so many times over in the time of which a fit shows anything leaves it no inertia; asserted.
 #: The lumped hose that is predicted then has its middle on the valve's side: of 1 m, stopped 8 times over, that is 5 kPa rms of 212.
 STOPPED = 20.0
+#: The usual longest step where the sensor sits behind a hose, whose small volume shows every error of integration [s].
+HOSE_STEP = 5e-4
 #: A sample with a hose takes about so many times as long, and behind one; of a slow logger as many as it has steps. Learn makes A, B and C,
 #: 1 to 5 ms: 1.6, 2.3 and 6.5 times, behind it 2.5, 3.6 and 7.3.
 HOSE_EFFORT, SENSED_EFFORT = 2, 3
@@ -237,7 +239,7 @@ def run_gas(
     most = max(MOST_STEPS, usual / WAVE_STEP) if shows_waves(cylinder, resolved(usual)) else MOST_STEPS
     world["longest_step"], world["most_steps"] = max(LONGEST_STEP, 0.5 * usual), most
     if behind_hose(cylinder):
-        world["longest_step"] = min(world["longest_step"][0], max(feed.hose_step, RESOLVED * usual))
+        world["longest_step"] = min(world["longest_step"][0], max(feed.hose_step or HOSE_STEP, RESOLVED * usual))
     _widen_hose(world, cylinder, resolved(usual))
     n = len(feed.time)
     length = feed.length

@@ -171,7 +171,7 @@ def _value(effect: Effect, parameter: Parameter, where: str, place: str, table: 
             raise RigError(f'{table.path}: {table.name(key)} = "{raw}": {_slides(where, parameter)}') from None
         raise
     if not parameter.low <= value <= parameter.high:
-        raise table.fail(key, f"is outside {parameter.low:g} to {parameter.high:g} {unit}")
+        raise table.fail(key, f"is outside {parameter.low:g} to {parameter.high:g}{'' if unit == '1' else ' ' + unit}")
     return value, len(wanted) > 1 and unit == wanted[1]
 
 

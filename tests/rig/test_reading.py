@@ -80,7 +80,7 @@ def test_numbers_and_names_that_cannot_be(old: str, new: str, says: str) -> None
         ('[effects.wall_heat_transfer.pistn]\nconductance = "1 W/K"', "pistn.*did you mean .piston"),
         ('[effects.coulomb_friction.slid]\nforce = "1 N"', "slid.*did you mean .slide"),
         ('[effects.wall_heat_transfer.piston]\nconductance = "-1 W/K"', "conductance = .-1 W/K.: is outside 0 to"),
-        ("[effects.valve_deadband.piston]\nwidth = 0.95", "width = 0.95: is outside 0 to 0.9"),
+        ("[effects.valve_deadband.piston]\nwidth = 0.95", "width = 0.95: is outside 0 to 0.9$"),
         ('[effects.valve_deadband.piston]\nwidth = "5 mm"', "width"),
         ("[effects.valve_deadband.piston]", "width is missing"),
         ("[effects.wall_heat_transfer.piston]", "needs conductance"),

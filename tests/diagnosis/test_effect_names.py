@@ -20,6 +20,7 @@ ABOUT = {
     "outcome/sensor_faults.py": {"sensor_bias", "sensor_scale"},
     "pipeline/reading.py": {"sensor_bias", "sensor_delay", "sensor_scale"},
     "pipeline/shared_supply.py": {"sensor_bias", "sensor_scale"},
+    "selection/sensor_zero.py": {"sensor_bias"},
     "subsystems/gas/candidates.py": {"sensor_bias", "sensor_delay", "sensor_scale"},
     "subsystems/motion/indistinguishable.py": {"sensor_bias", "sensor_scale"},
     # what has no name

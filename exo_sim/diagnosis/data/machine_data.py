@@ -32,7 +32,8 @@ class MachineData:
         externally_driven: Joints that somebody moved or held by forces that were not measured.
         fed: Cylinders that were fed by something of which no command was recorded.
         checks: What was asked of the recordings, and put right, before any physics.
-        zeros_within: By column of a pressure, how far off its zero can be at most by what the gas tells of it [Pa].
+        zeros_within: By column, how far off its zero can be at most by what the gas tells of a pressure [Pa], and the balance of a
+            joint of the load cell in it [N or N m].
     """
 
     rig: Rig

@@ -28,6 +28,7 @@ from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.diagnosis.selection.sensor_zero import zeros_of_forces_within
 from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.breakaway import with_breakaway
@@ -67,14 +68,15 @@ class JudgedBalances:
 def examine_motion(
     data: MachineData, plan: Plan, threads: Threads, report: Progress, judged: JudgedBalances | None = None
 ) -> tuple[SubsystemResult[MotionModel], ...]:
-    """Return the result of every balance of forces.
+    """Return the result of every balance of forces; joints are judged before the rods whose load cells are in their balances.
 
     Args:
         data, plan, threads, report: As in `examine`.
         judged: What earlier rounds judged of the same data.
     """
-    judged, found = judged or JudgedBalances(), []
-    for number, (name, runs) in enumerate(data.joints.items()):
+    judged, found = judged or JudgedBalances(), dict[str, SubsystemResult[MotionModel]]()
+    joints_first = sorted(data.joints.items(), key=lambda one: one[1][0].drive.cylinder is not None)
+    for number, (name, runs) in enumerate(joints_first):
         plan.budget.allow_until(GAS_UNTIL + (FORCES_UNTIL - GAS_UNTIL) * (number + 1) / len(data.joints))
         zeros = tuple((column, data.zeros_within.get(column)) for column in runs[0].drive.levers)
         key = (name, plan.test_time, _refuted_of(name, runs, data, plan), zeros)
@@ -82,8 +84,10 @@ def examine_motion(
         if result is None:
             result = examine_balance(name, runs, data, plan, threads, report)
             judged.results[key] = tuple(runs), result
-        found.append(result)
-    return tuple(found)
+        found[name] = result
+        if runs[0].drive.cylinder is None:  # of a cell that is in the balance along its rod as well
+            data = replace(data, zeros_within={**data.zeros_within, **zeros_of_forces_within(result)})
+    return tuple(found[name] for name in data.joints)
 
 
 def _refuted_of(name: str, runs: Sequence[MotionRun], data: MachineData, plan: Plan) -> frozenset[tuple[str, str]]:
@@ -170,9 +174,10 @@ def examine_balance(
 
 
 def asked_of(model: MotionModel, data: MachineData, plan: Plan, *seen: float) -> tuple[Candidate, ...]:
-    """Return the candidates of a balance that were not refuted, zeros of pressures no further off than the gas lets them be.
+    """Return the candidates of a balance that were not refuted, zeros no further off than others let them be: of pressures the gas, of a
+    load cell the balance of its joint.
 
-    A zero that is further off looks like dry friction that differs by direction, which no gas sees.
+    A zero that is further off looks like dry friction that differs by direction, which neither sees.
 
     Args:
         model: The balance.
@@ -184,7 +189,7 @@ def asked_of(model: MotionModel, data: MachineData, plan: Plan, *seen: float) ->
 
 
 def _is_zero_of(candidate: Candidate, columns: Collection[str]) -> bool:
-    return candidate.kind is Kind.SENSOR and candidate.parameters[0].unit == "Pa" and candidate.where in columns
+    return candidate.kind is Kind.SENSOR and candidate.where in columns
 
 
 def _bounded(zero: Candidate, most: float) -> Candidate:

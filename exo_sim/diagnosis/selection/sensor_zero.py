@@ -1,10 +1,10 @@
-"""The zero of a pressure sensor that a fit moved: how surely, and whether further than a healthy one's is off."""
+"""The zero of a sensor that a fit moved: how surely, and whether further than a healthy one's is off."""
 
 from __future__ import annotations
 
 import math
 
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.healthy import ZEROS
@@ -12,6 +12,7 @@ from exo_sim.diagnosis.policy.priors import PRESSURE_ZERO
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unneeded_nuisances import error_of_model
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
+from exo_sim.physics.effects import sensor_bias
 
 Result = SubsystemResult[SubsystemModel]
 
@@ -44,3 +45,23 @@ def zeros_within(one: Result) -> dict[str, float]:
     end = one.search.final
     errors = {q: error_of(one, q, error) for q, error in one.fits.standard_errors(end).items() if q.effect == ZERO}
     return {q.where: float(f"{abs(end.fit.values[q]) + SURELY_MORE * error:.2g}") for q, error in errors.items()}
+
+
+def zeros_of_forces_within(one: Result) -> dict[str, float]:
+    """Return how far off zeros of what measures force can be at most by what a balance of forces tells of them [N or N m]; by column.
+
+    A constant force that is missing, whether it was found or refitted, is such a zero. None where the balance is unsure.
+    """
+    if one.has_unknown or one.is_empty or one.search.interrupted:
+        return {}
+    end, total, variance = one.search.final, dict[str, float](), dict[str, float]()
+    for q, error in one.fits.standard_errors(end).items():
+        moved = [one.model.as_sensor_error(q, value) for value in (end.fit.values[q], end.fit.values[q] + error)]
+        if q.target is Target.SENSOR and q.parameter.endswith(".bias"):
+            moved = [(q.where, sensor_bias.EFFECT.name, "value", value) for value in (end.fit.values[q], end.fit.values[q] + error)]
+        if moved[0] is None or moved[1] is None or moved[0][1] != sensor_bias.EFFECT.name or "pressure" in moved[0][0]:
+            continue
+        column = moved[0][0]
+        total[column] = total.get(column, 0.0) + moved[0][3]
+        variance[column] = variance.get(column, 0.0) + (moved[1][3] - moved[0][3]) ** 2
+    return {column: abs(value) + SURELY_MORE * math.sqrt(variance[column]) for column, value in total.items()}

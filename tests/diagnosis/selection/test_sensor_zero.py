@@ -15,7 +15,7 @@ from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.healthy import ZERO_MODEL
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.diagnosis.selection.sensor_zero import error_of, is_faulty, zeros_within
+from exo_sim.diagnosis.selection.sensor_zero import error_of, is_faulty, zeros_of_forces_within, zeros_within
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 
 ZERO = FreeParameter("sensor_zero", "piston.pressure_1", "pressure_1.bias", "Pa", Target.SENSOR, 500.0, -1e4, 1e4, (0.0, 500.0))
@@ -56,3 +56,23 @@ def test_a_zero_can_be_off_by_what_was_fitted_and_by_its_error_and_by_any_where_
     assert zeros_within(one) == {"piston.pressure_1": pytest.approx(300.0 + SURELY_MORE * 1000.0 * ZERO_MODEL, rel=0.05)}
     assert zeros_within(replace(one, has_unknown=True)) == {}
     assert zeros_within(replace(one, search=SearchResult(end, end, interrupted=True))) == {}
+
+
+class Forces(waves.Waves):
+    """A balance whose constant force is the zero of a load cell at a lever of 2."""
+
+    def as_sensor_error(self, parameter: FreeParameter, value: float) -> tuple[str, str, str, float] | None:
+        return ("piston.force", "sensor_bias", "value", -0.5 * value) if parameter is OFFSET else None
+
+
+OFFSET = FreeParameter("offset", "slide", "offset", "N", Target.SENSOR, 1.0, -1e6, 1e6, (0.0, 1.0))
+CELL = FreeParameter("sensor_bias", "piston.force", "piston.force.bias", "N", Target.SENSOR, 1.0, -1e6, 1e6)
+
+
+def test_a_load_cell_s_zero_can_be_off_by_what_its_joint_s_balance_found_and_refitted_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, errors = Forces(), {OFFSET: 0.4, CELL: 0.3, WIDTH: 1e-4}
+    end = FittedModel((), Fit(tuple(errors), {OFFSET: 2.0, CELL: 7.0, WIDTH: 2e-3}, np.zeros(4), np.zeros((4, 3))))
+    one = SubsystemResult("slide", model, ModelFits(model, ()), SearchResult(end, end), end)
+    monkeypatch.setattr(one.fits, "standard_errors", lambda model: errors)
+    assert zeros_of_forces_within(one) == {"piston.force": pytest.approx(6.0 + SURELY_MORE * math.hypot(0.2, 0.3))}
+    assert zeros_of_forces_within(replace(one, has_unknown=True)) == {}

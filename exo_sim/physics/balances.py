@@ -160,9 +160,8 @@ def _through_valve(added: bool) -> Function:
         p_port = chamber.pressure(y[hose_energy], line_restriction.node_volume(c.line_restriction), k)
         port = Reservoir(p_port, chamber.temperature(y[hose_energy], y[hose_mass], k, r))
         drawn, h_drawn, vented, h_vented = directly(c, port, a_supply, a_exhaust, supply, exhaust, k, r)
-        area = outlet = c.line_restriction.area
-        if c.end_cushioning.length > 0.0:
-            outlet = end_cushioning.outlet(c.end_cushioning, area, here.depth)
+        area = c.line_restriction.area
+        outlet = end_cushioning.outlet(c.end_cushioning, area, here.depth)
         if line_restriction.has_inertia(c.line_restriction):
             into, h_into, w, h = through_middle(c.line_restriction, outlet, port, here, k, r, y, dy, base + 2 * second)
         else:

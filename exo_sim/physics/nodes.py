@@ -151,9 +151,15 @@ def tank_state(world, y, shared: int):
 
 
 @inlined_kernel
+def edges_are_told_apart(c) -> bool:
+    """Return whether each edge of the valve has a way of its own to open: then it is given the place of the spool, not an opening."""
+    return valve_edges.present(c.valve_edges) or valve_characteristic.present(c.valve_characteristic)
+
+
+@inlined_kernel
 def path_areas(c, opening_1: float, opening_2: float) -> tuple[float, float, float, float]:
     """Return the areas of supply->1, 1->exhaust, supply->2, 2->exhaust [m^2]; a vented cylinder has both exhausts open."""
-    if c.vented == 0.0 and (valve_edges.present(c.valve_edges) or valve_characteristic.present(c.valve_characteristic)):
+    if c.vented == 0.0 and edges_are_told_apart(c):
         closed = valve_null_leakage.closed_area(c.valve_null_leakage)
         return valve_edges.path_areas(
             c.valve_edges, c.valve_characteristic, opening_1, opening_2, c.valve_deadband.width, c.valve_area, closed

@@ -16,16 +16,14 @@ from exo_sim.physics.effects import (
     spool_rate_limit,
     supply_droop,
     supply_regulator,
-    valve_characteristic,
     valve_deadband,
-    valve_edges,
     valve_hysteresis,
     valve_lag,
     valve_offset,
 )
 from exo_sim.physics.forces import advance_joints
 from exo_sim.physics.friction import dry_level, move_bristle
-from exo_sim.physics.nodes import path_areas, pressures, temperatures, volumes, within
+from exo_sim.physics.nodes import edges_are_told_apart, path_areas, pressures, temperatures, volumes, within
 from exo_sim.physics.state import (
     BRISTLE,
     FASTER,
@@ -83,7 +81,7 @@ def regulator_gain(world, cylinders, spool) -> float:
 @inlined_kernel
 def opening(c, spool: float) -> float:
     """Return the relative opening that a spool at this place gives, -1 to 1; the place itself where each edge has its own way to open."""
-    if valve_edges.present(c.valve_edges) or valve_characteristic.present(c.valve_characteristic):
+    if edges_are_told_apart(c):
         return valve_offset.shifted(c.valve_offset, spool)
     return valve_deadband.opening(c.valve_deadband, valve_offset.shifted(c.valve_offset, spool))
 

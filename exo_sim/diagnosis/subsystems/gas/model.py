@@ -38,7 +38,7 @@ from exo_sim.diagnosis.subsystems.gas.healthy_limits import with_healthy_losses
 from exo_sim.diagnosis.subsystems.gas.hose_step import affordable_step
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.missing_flow import missing_flow
-from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, effort_of
+from exo_sim.diagnosis.subsystems.gas.prediction import GasPrediction, behind_hose, effort_of
 from exo_sim.diagnosis.subsystems.gas.regimes import regimes
 from exo_sim.diagnosis.subsystems.gas.row_set import START_STEP, RowSet
 from exo_sim.diagnosis.subsystems.gas.sensed_prediction import sensed
@@ -134,7 +134,7 @@ class GasModel(SubsystemModel):
 
     @cached_property
     def _stepped(self) -> list[GasInputs]:
-        """The inputs with steps behind a hose as long as the noise of the rows affords in a fit; what is reported has the usual ones."""
+        """The inputs for sensors behind a hose: steps as long as the noise of the rows affords in a fit, the usual ones in a report."""
         if self._is_reported or not self.size:
             return self.inputs
         step = affordable_step(self.inputs, self._set, self.nominal)
@@ -142,7 +142,7 @@ class GasModel(SubsystemModel):
 
     def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
         """Predict what the sensors of one run would show; arguments as of `sensed`."""
-        given = self._stepped[index]
+        given = (self._stepped if behind_hose(plant.cylinder) else self.inputs)[index]
         self.effort.add(effort_of(len(given.time), given.period, plant.cylinder))
         return sensed(given, plant, shift, whole)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import benches
 import numpy as np
 import pytest
@@ -60,5 +58,5 @@ def test_what_longer_steps_are_off_by_drowns_in_the_noise(plant: PlantParameters
 
 
 def test_what_is_reported_is_predicted_with_the_usual_steps(plant: PlantParameters) -> None:
-    loud = replace(run(plant, 1e6))
+    loud = run(plant, 1e6)
     assert GasModel([loud], plant, Split({}), on_test=True)._stepped[0].hose_step == 0.0  # the usual

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.nominal_numbers import ZERO
 from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.healthy import ZEROS
@@ -40,7 +40,7 @@ def zeros_within(one: Result) -> dict[str, float]:
 
     Errors of its model stand still as zeros do and are in it.
     """
-    if one.has_unknown or one.is_empty or one.search.interrupted:
+    if _is_unsure(one):
         return {}
     end = one.search.final
     errors = {q: error_of(one, q, error) for q, error in one.fits.standard_errors(end).items() if q.effect == ZERO}
@@ -52,16 +52,31 @@ def zeros_of_forces_within(one: Result) -> dict[str, float]:
 
     A constant force that is missing, whether it was found or refitted, is such a zero. None where the balance is unsure.
     """
-    if one.has_unknown or one.is_empty or one.search.interrupted:
+    if _is_unsure(one):
         return {}
     end, total, variance = one.search.final, dict[str, float](), dict[str, float]()
     for q, error in one.fits.standard_errors(end).items():
-        moved = [one.model.as_sensor_error(q, value) for value in (end.fit.values[q], end.fit.values[q] + error)]
-        if q.target is Target.SENSOR and q.parameter.endswith(".bias"):
-            moved = [(q.where, sensor_bias.EFFECT.name, "value", value) for value in (end.fit.values[q], end.fit.values[q] + error)]
-        if moved[0] is None or moved[1] is None or moved[0][1] != sensor_bias.EFFECT.name or "pressure" in moved[0][0]:
+        at, beyond = (_zero_of_force(one.model, q, value) for value in (end.fit.values[q], end.fit.values[q] + error))
+        if at is None or beyond is None:
             continue
-        column = moved[0][0]
-        total[column] = total.get(column, 0.0) + moved[0][3]
-        variance[column] = variance.get(column, 0.0) + (moved[1][3] - moved[0][3]) ** 2
+        column, value = at
+        total[column] = total.get(column, 0.0) + value
+        variance[column] = variance.get(column, 0.0) + (beyond[1] - value) ** 2
     return {column: abs(value) + SURELY_MORE * math.sqrt(variance[column]) for column, value in total.items()}
+
+
+def _zero_of_force(model: SubsystemModel, parameter: FreeParameter, value: float) -> tuple[str, float] | None:
+    """Return the column that measures force, and its zero, which a number of a fit is; None where it is none."""
+    if parameter.effect == sensor_bias.EFFECT.name:
+        column, zero = parameter.where, value
+    else:
+        stands_for = model.as_sensor_error(parameter, value)
+        if stands_for is None or stands_for[1] != sensor_bias.EFFECT.name:
+            return None
+        column, zero = stands_for[0], stands_for[3]
+    return None if "pressure" in column else (column, zero)
+
+
+def _is_unsure(one: Result) -> bool:
+    """Return whether nothing that a result refitted tells how far off a zero can be."""
+    return one.has_unknown or one.is_empty or one.search.interrupted

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from exo_sim.recording import local_polynomial
-from exo_sim.recording.noise import white_noise
+from exo_sim.recording.noise import PIECE, white_noise
 
 Array = NDArray[np.float64]
 
@@ -23,8 +23,6 @@ POSITION_SMOOTHING = 0.015
 QUICKER = 0.5
 #: ... that is, if four standard deviations of the noise behind that filter are at most this share of the velocity's own spread.
 QUIET = 0.05
-#: Long columns are gone through in pieces of so many samples where what is worked out on the way would take as much again.
-PIECE = 1 << 16
 #: A filter as weights of powers of one Gaussian: `gaussian_derivatives` alone, and followed by `restored`.
 SMOOTHED, RESTORED = MappingProxyType({1: 1.0}), MappingProxyType({1: 2.0, 2: -1.0})
 

@@ -33,9 +33,10 @@ _STRIDES = (1, 2, 4, 8, 16)
 _BLOCK = 256
 _QUANTILE, _NORMAL_QUANTILE = 0.3, -0.5244005127080409
 _MOST_SAMPLES = 200_000
-_PIECE = 1 << 16
 _CORRELATIONS = np.concatenate(([0.0], np.exp(-1.0 / np.geomspace(0.4, 10.0, 24))))  # of neighbouring samples
 
+#: Long columns are gone through in pieces of so many samples where what is worked out on the way would take as much again.
+PIECE = 1 << 16
 #: Of fewer finite samples nothing is said of noise.
 FEWEST_FOR_NOISE = 20
 #: A change is more than noise where its square exceeds that by so many standard errors.
@@ -137,8 +138,8 @@ def _fourth_differences(values: NDArray[np.float64]) -> NDArray[np.float64]:
     Piece by piece: of an hour each array of differences takes as much as the column.
     """
     found = np.empty(len(values) - 4)
-    for begin in range(0, len(found), _PIECE):
-        part = found[begin : begin + _PIECE]
+    for begin in range(0, len(found), PIECE):
+        part = found[begin : begin + PIECE]
         np.divide(np.diff(values[begin : begin + len(part) + 4], 4), np.sqrt(70.0), out=part)
     return found
 

@@ -125,7 +125,7 @@ def test_white_noise_by_pieces_is_that_of_the_whole(monkeypatch: pytest.MonkeyPa
     values = motion(3000) + np.random.default_rng(4).standard_normal(3000)
     values[100:120] = np.nan
     fourth = np.diff(values[np.isfinite(values)], 4) / np.sqrt(70.0)
-    monkeypatch.setattr(noise, "_PIECE", 100)
+    monkeypatch.setattr(noise, "PIECE", 100)
     assert noise.white_noise(values) == 1.4826 * np.median(np.abs(fourth - np.median(fourth)))
 
 

@@ -143,9 +143,9 @@ def _is_free(model: mujoco.MjModel, joint: int, recording: Recording, sides: Seq
         sides: Columns of what drives it.
     """
     column, time = f"{model.joint(joint).name}.position", recording.time
-    position, there = recording[column], np.isfinite(recording[column])
-    filled = position if there.all() else np.interp(time, time[there], position[there])
-    spoilt = touches_stop(model, joint, filled, white_noise(position))
+    position = _filled(recording, column, slice(None))
+    assert position is not None
+    spoilt = touches_stop(model, joint, position, white_noise(recording[column]))
     spoilt[mended_at(time, recording.breaks)] = True
     for key in (column, *(side for side in sides if side in recording)):
         for begin, end in holes(time, recording[key]):
@@ -189,7 +189,7 @@ def _drive(
     return forces, known
 
 
-def _filled(recording: Recording, key: str, pick: NDArray[np.int64]) -> Array | None:
+def _filled(recording: Recording, key: str, pick: NDArray[np.int64] | slice) -> Array | None:
     if not has_samples(recording, key):
         return None
     values = recording[key]

@@ -30,8 +30,8 @@ from exo_sim.diagnosis.subsystems.motion.smoothing import smoothed_alike, smooth
 from exo_sim.diagnosis.subsystems.motion.stops import at_stop
 from exo_sim.diagnosis.subsystems.motion.unjudged_balance import bound_by_model, not_recorded, rarely_free, rarely_known, rarely_whole
 from exo_sim.machine.linkage import Linkage, moment_row
-from exo_sim.recording.filters import PIECE, EvenClock, SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion
-from exo_sim.recording.noise import white_noise
+from exo_sim.recording.filters import EvenClock, SmoothedMotion, gaussian_smoothed, noise_gain, restored, smoothed_motion
+from exo_sim.recording.noise import PIECE, white_noise
 from exo_sim.recording.table import Recording
 from exo_sim.recording.windows import clock_breaks
 from exo_sim.rig import Rig, assembly

@@ -66,10 +66,11 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
     for effect in declared().values():
         if effect.cut != "motion" or effect.name not in (plant.cylinder.dtype.names or ()) or effect.identification.though_on:
             continue
+        rubs = run.cylinder is not None and effect.name not in plant.contained_effects  # seals do, bearings do not
         for parameter in effect.parameters:
             value = float(plant.cylinder[effect.name][parameter.name][0])
             dry, most = (effect.identification.resists * share * full for share in (priors.HEALTHY_DRY, healthy.DRY_FRICTION))
-            if run.cylinder is not None and dry > 0.0 and value == 0.0 and parameter.unit == "N":  # seals rub, bearings do not
+            if rubs and dry > 0.0 and value == 0.0 and parameter.unit == "N":
                 found.append(_of_cylinder(effect.name, where, parameter.name, "N", dry, (0.0, most), (0.0, dry)))
             if value == 0.0 and parameter.name in effect.identification.known and plant.is_on(effect):  # its law is what nobody gave
                 prior, ends = effect.identification.known[parameter.name], (parameter.low, parameter.high)

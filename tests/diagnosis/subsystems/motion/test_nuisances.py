@@ -79,3 +79,11 @@ def test_damping_is_added_only_where_there_is_some_and_only_once() -> None:
 def test_seals_rub_in_every_cylinder_and_bearings_need_not() -> None:
     assert "coulomb_friction" not in effects()
     assert "coulomb_friction" in effects(behind_cylinder(RUN, np.full((TIME.size, 2), 1e5)))
+
+
+def test_a_seal_whose_friction_of_either_direction_is_known_rubs_by_nothing_else() -> None:
+    known = plant()
+    known.cylinder["asymmetric_friction"]["forward"], known.cylinder["asymmetric_friction"]["backward"] = 12.0, 16.0
+    run = behind_cylinder(RUN, np.full((TIME.size, 2), 1e5))
+    rubbing = {q.effect for q in nuisance_parameters([run], known, "slide")}
+    assert "asymmetric_friction" in rubbing and "coulomb_friction" not in rubbing

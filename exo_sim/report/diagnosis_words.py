@@ -233,6 +233,8 @@ def cost(finding: Finding) -> str:
     """Return what leaving a finding out costs the machine's own predictions, as a sentence; "" where that is not known or nothing."""
     if finding.cost < LEAST_COST:
         return ""
+    if finding.cost > 1.0:  # a machine that nothing holds runs away: by how much says nothing
+        return "Left out, it puts the predictions off by more than these signals vary."
     return f"Left out, it puts the predictions off by {amounts.share(finding.cost)} of how much these signals vary."
 
 

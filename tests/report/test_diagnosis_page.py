@@ -170,6 +170,7 @@ def test_what_leaving_it_out_costs_and_how_to_see_it_on_the_machine_are_said() -
     assert "puts the predictions off by 18 % of how much these signals vary" in words
     assert f"To see it on the machine: {experiment}." in words
     assert diagnosis_words.cost(replace(leak, cost=0.0)) == ""
+    assert diagnosis_words.cost(replace(leak, cost=240.0)) == "Left out, it puts the predictions off by more than these signals vary."
     assert diagnosis_words.on_the_machine(made_up.LEAK) == ""  # two look the same: the next experiment settles it
     assert diagnosis_words.on_the_machine(replace(leak, name="made_up")) == ""
 

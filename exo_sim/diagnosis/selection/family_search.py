@@ -14,7 +14,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import verdicts
-from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN, STRAINING
+from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.evidence import Evidence
@@ -29,6 +29,7 @@ from exo_sim.diagnosis.selection.nested_fits import no_worse_than_nested
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms, unnamed
 from exo_sim.diagnosis.selection.refitted_finalists import Refitted, best_form, best_refitted, poorer_forms_first
 from exo_sim.diagnosis.selection.simpler_forms import no_richer_than_needed, poorer_than, richer_beside, rivals_of_either
+from exo_sim.diagnosis.selection.straining import without_straining
 from exo_sim.diagnosis.selection.subset_numbers import laws_of, values_and_errors
 from exo_sim.diagnosis.selection.subset_weighing import At, SubsetWeighing, Weighed
 
@@ -91,7 +92,7 @@ class FamilySearch:
         laws = weighed_as_fitted(laws, forms, final, self.fits.standard_errors)
         plain = self.fits.refined(self.fits.fit(final.candidates, final, again=final is not found.model))
         final = predicting_best(final, plain, errors_about(final, laws))
-        relaxed = self._without_straining(plain)
+        relaxed = without_straining(plain, self.fits)
         if relaxed is not plain:
             final = plain = relaxed
         if final.candidates and comparisons.is_clean(baseline) and not evidence.is_decisive(final, baseline, best.spreads):
@@ -175,23 +176,6 @@ class FamilySearch:
             if all(c.kind is Kind.UNKNOWN or is_more_than_healthy(c, model) for c in model.candidates):
                 return [one, *(other for other in finalists if other is not one)]
         return finalists
-
-    def _without_straining(self, plain: FittedModel) -> FittedModel:
-        """Return a plain fit without the effects that explain no more than noise, and that only beside numbers that are further off.
-
-        Friction of two directions and a spring's rest that is off pull against each other: what they do together is less than either.
-        One goes at a time, the one that moves the nuisance parameters most.
-        """
-        while True:
-            strained = []
-            for candidate in (c for c in plain.candidates if not c.is_law):
-                without = self.fits.fit(drop_orphans(plain.without(candidate)), plain)
-                rise = plain.fit.penalty - without.fit.penalty
-                if rise > STRAINING and without.fit.sse <= self.fits.model.size:
-                    strained.append((rise, without))
-            if not strained:
-                return plain
-            plain = self.fits.refined(max(strained, key=lambda pair: pair[0])[1])
 
     def _is_strained_without(self, candidate: Candidate, probable: Sequence[Candidate], final: FittedModel) -> bool:
         """Return whether nuisance parameters stand in for an effect of the best subset: without it they are plainly further off."""

@@ -32,7 +32,11 @@ EFFECT = Effect(
             angular_unit="N*m",
         ),
         Parameter("velocity", "m/s", 1e-4, 10.0, (5e-3, 0.1), "5-100 mm/s", angular_unit="rad/s"),
-        Parameter("exponent", "1", 0.5, 2.0, (0.5, 2.0), "0.5-1 to 2 (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)", required=False),
+        Parameter(
+            "exponent", "1", 0.5, 4.0, (0.5, 2.0),
+            "0.5-1 to 2, much more where a lubricant holds at slow speed (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)",
+            required=False,
+        ),
         Parameter(
             "tail", "1", 0.0, 1.0, (0.0, 1.0), "0 exponential, 1 Lorentzian (Armstrong-Helouvry, Dupont, Canudas de Wit 1994)",
             required=False,

@@ -1,0 +1,57 @@
+"""Effects of a fit that stand only beside other numbers that are further off with them than without."""
+
+from __future__ import annotations
+
+from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
+from exo_sim.diagnosis.estimation.prior_terms import prior_terms
+from exo_sim.diagnosis.policy.off_nominal import STRAINING
+from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.physics.declaration import declared
+
+
+def without_straining(plain: FittedModel, fits: ModelFits) -> FittedModel:
+    """Return a plain fit without the effects that explain no more than a healthy machine leaves, and only beside numbers further off.
+
+    What the noise explains is no reason for one: friction of two directions and a spring's rest that is off pull against each other, and
+    what they do together is less than either. Nor is what the known laws of an effect's own family get wrong in their form: drag beside a
+    known film makes up for a dip of another shape, where the film is bent for it as much the other way. A law that is really missing
+    leaves the known ones nearer to what their owner says of them.
+
+    One goes at a time, the one that moves the nuisance parameters most.
+
+    Args:
+        plain: The fit.
+        fits: Fits of its subsystem.
+    """
+    while True:
+        strained = []
+        for candidate in (c for c in plain.candidates if not c.is_law):
+            without = fits.fit(drop_orphans(plain.without(candidate)), plain)
+            rise = plain.fit.penalty - without.fit.penalty
+            if rise > STRAINING and _is_left_to_others(candidate, plain, without, fits):
+                strained.append((rise, without))
+        if not strained:
+            return plain
+        plain = fits.refined(max(strained, key=lambda pair: pair[0])[1])
+
+
+def _is_left_to_others(candidate: Candidate, plain: FittedModel, without: FittedModel, fits: ModelFits) -> bool:
+    """Return whether what is left without an effect is noise, or what the known laws of its family may get wrong and are bent for."""
+    if without.fit.sse <= fits.model.size:
+        return True
+    bent = _strain(plain, candidate.effect) - _strain(without, candidate.effect)
+    return bent > STRAINING and without.fit.sse <= fits.model.discrepancy_bound**2 * fits.model.size
+
+
+def _strain(fitted: FittedModel, effect: str) -> float:
+    """Return by how much the known numbers of an effect's family are off, the sum of their squares in standard deviations."""
+    family = _family(effect)
+    known = [q for q in fitted.fit.parameters if q.prior is not None and _family(q.effect) == family]
+    away, _ = prior_terms(known, fitted.fit.values)
+    return float(away @ away) if family else 0.0
+
+
+def _family(effect: str) -> str:
+    """Return the family of an effect, or "" of what is none, such as a mass."""
+    return declared()[effect].family if effect in declared() else ""

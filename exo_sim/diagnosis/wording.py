@@ -15,6 +15,9 @@ STANDS_FOR = {
     FLOW_CAPACITY: "something that throttles beside the valve, another valve or another gas, or a number that is wrong",
 }
 
+#: Why an effect was left out that stands only beside numbers that are further off with it.
+STRAINING = "with it numbers of the rig are further off than without, and no more is left without it than a healthy machine leaves"
+
 
 def name_of(effect: str) -> str:
     """Return an effect's name in words."""

@@ -164,6 +164,7 @@ class _Decision(Generic[Model]):
             for rival, worse in search.rivals.get(c.key, [])
             if worse > verdicts.AS_GOOD
         ]
+        found += [Rejected(*c.at, wording.STRAINING) for c in search.straining]
         found += [Rejected(*c.at, wording.no_gain(c, share)) for c, share in search.runners_up]
         if strict:
             found += [

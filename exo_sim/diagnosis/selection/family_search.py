@@ -93,6 +93,7 @@ class FamilySearch:
         plain = self.fits.refined(self.fits.fit(final.candidates, final, again=final is not found.model))
         final = predicting_best(final, plain, errors_about(final, laws))
         relaxed = without_straining(plain, self.fits)
+        straining = tuple(c for c in plain.candidates if c not in relaxed.candidates and not c.is_law)
         if relaxed is not plain:
             final = plain = relaxed
         if final.candidates and comparisons.is_clean(baseline) and not evidence.is_decisive(final, baseline, best.spreads):
@@ -122,6 +123,7 @@ class FamilySearch:
             unnamed=() if found.names_suffice else unnamed(self.weighing, self.basis, best, finalists, posterior),
             least_left=plain.fit.sse,
             undecided=tuple(c for c in passed_over if self._is_strained_without(c, probable, plain)),
+            straining=straining,
             weighed_together=True,
         )
 

@@ -130,6 +130,7 @@ class SearchResult:
         unnamed: What is missing beside the names, the largest first.
         stands_for: By effect and place of nominal numbers that are further off than any data sheet allows, effects that explain as much.
         undecided: Candidates that were weighed as probable and gave way to nuisance parameters that are plainly further off without them.
+        straining: Candidates that were left out because they stand only beside numbers that are further off with them.
         interrupted: Whether it ended before everything was explained, because it was asked to.
         weighed_together: Whether all subsets of effects were weighed beside a model discrepancy: names then stand although something is
             left, and each explains only what the others leave to it.
@@ -148,6 +149,7 @@ class SearchResult:
     unnamed: tuple[Unnamed, ...] = ()
     stands_for: Mapping[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
     undecided: tuple[Candidate, ...] = ()
+    straining: tuple[Candidate, ...] = ()
     interrupted: bool = False
     weighed_together: bool = False
 

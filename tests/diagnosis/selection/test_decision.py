@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from diagnosis import waves
 
+from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis, joined
 from exo_sim.diagnosis.estimation.candidate import Candidate
@@ -48,6 +49,13 @@ def test_of_two_names_for_the_same_wave_both_are_reported_with_their_probabiliti
 def test_a_rejected_candidate_is_listed_once_and_no_finding_is() -> None:
     result = decided(waves.Waves(slow=3.0), waves.BASE, waves.OTHER)
     assert [(one.name, one.where) for one in result.rejected] == [("other", "piston")]
+
+
+def test_what_was_left_out_for_it_strains_other_numbers_is_listed_with_that_reason() -> None:
+    model = waves.Waves(slow=3.0)
+    search = Search(model, (), (waves.BASE,), cheap=True)
+    found = decide("piston", model, search.fits, replace(search.run(), straining=(waves.OTHER,)))
+    assert [(one.name, one.why) for one in found.rejected] == [("other", wording.STRAINING)]
 
 
 @pytest.mark.parametrize("is_law", [True, False])

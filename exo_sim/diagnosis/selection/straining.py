@@ -40,14 +40,17 @@ def _is_left_to_others(candidate: Candidate, plain: FittedModel, without: Fitted
     """Return whether what is left without an effect is noise, or what the known laws of its family may get wrong and are bent for."""
     if without.fit.sse <= fits.model.size:
         return True
-    bent = _strain(plain, candidate.effect) - _strain(without, candidate.effect)
+    bent = _strain(plain, candidate.effect, fits) - _strain(without, candidate.effect, fits)
     return bent > STRAINING and without.fit.sse <= fits.model.discrepancy_bound**2 * fits.model.size
 
 
-def _strain(fitted: FittedModel, effect: str) -> float:
-    """Return by how much the known numbers of an effect's family are off, the sum of their squares in standard deviations."""
+def _strain(fitted: FittedModel, effect: str, fits: ModelFits) -> float:
+    """Return by how much the known numbers of an effect's family are off, the sum of their squares in standard deviations.
+
+    What is found has priors of its own, such as the shape of a dip: they are no numbers that anybody knows.
+    """
     family = _family(effect)
-    known = [q for q in fitted.fit.parameters if q.prior is not None and _family(q.effect) == family]
+    known = [q for q in fits.nuisances if q.prior is not None and _family(q.effect) == family]
     away, _ = prior_terms(known, fitted.fit.values)
     return float(away @ away) if family else 0.0
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 from diagnosis import waves
 
+from exo_sim.diagnosis.policy.off_nominal import STRAINING
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.straining import without_straining
 
@@ -37,6 +40,16 @@ def test_what_leaves_the_known_law_alone_stays() -> None:
 @pytest.mark.parametrize(("effect", "bound"), [("return_spring", 5.0), ("quadratic_drag", 1.02)])
 def test_another_family_or_more_than_a_healthy_machine_leaves_is_no_matter_of_the_known_law(effect: str, bound: float) -> None:
     assert named(effect, "bent", bound, quicker=0.6) == [effect]
+
+
+def test_an_effect_whose_own_shape_is_unusual_strains_nothing_that_is_known() -> None:
+    """Found friction that falls otherwise than most dips is far from the prior of its shape, and there all the same."""
+    own = waves.parameter("stribeck_friction", "quick", prior=(0.0, 0.2))
+    dip = replace(waves.candidate("stribeck_friction", "quick"), parameters=(own,))
+    fits = ModelFits(waves.Waves(5.0, SHAPES, quick=1.2), (FILM,), cheap=True)
+    plain = fits.refined(fits.fit((dip,)))
+    assert plain.fit.penalty - fits.fit(()).fit.penalty > STRAINING
+    assert without_straining(plain, fits) is plain
 
 
 def test_of_what_the_noise_explains_nothing_stands_that_strains_any_number() -> None:

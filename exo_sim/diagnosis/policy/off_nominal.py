@@ -102,7 +102,7 @@ HELD_WITHIN = Number(
     "derived: 95 % of data sheets",
 )  # fmt: skip
 STRAINING = Number(
-    4.0, "rise of -2 log of the prior of all nuisance parameters",
+    4.0, "rise of -2 log of the priors of all that is fitted, or of the known numbers of its family",
     "an effect without which the noise explains all is no finding if with it they are so much further off: it stands only beside numbers "
     "that are wrong as well; nor is one without which no more is left than a healthy machine leaves, where the known numbers of its own "
     "family are",

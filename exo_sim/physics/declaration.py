@@ -196,3 +196,9 @@ def identification_of(name: str) -> Identification:
     """Return how the question of an effect is put; of a name that no effect has, nothing but defaults."""
     effect = declared().get(name)
     return Identification() if effect is None else effect.identification
+
+
+def family_of(name: str) -> str:
+    """Return the family of an effect; of a name that no effect has, such as a nominal number's, ""."""
+    effect = declared().get(name)
+    return "" if effect is None else effect.family

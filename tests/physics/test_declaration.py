@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from exo_sim.errors import ModelError
-from exo_sim.physics.declaration import Parameter, check_others, declared, identification_of
+from exo_sim.physics.declaration import Parameter, check_others, declared, family_of, identification_of
 from exo_sim.physics.identification import Identification, Twins
 
 
@@ -55,3 +55,4 @@ def test_units_turn_with_the_joint() -> None:
 def test_what_is_no_effect_is_asked_nothing_special() -> None:
     assert identification_of("payload_mass") == Identification()
     assert identification_of("wall_heat_transfer") is declared()["wall_heat_transfer"].identification
+    assert family_of("payload_mass") == "" and family_of("wall_heat_transfer") == declared()["wall_heat_transfer"].family

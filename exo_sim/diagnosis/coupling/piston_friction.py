@@ -8,7 +8,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
-from exo_sim.physics.declaration import declared
+from exo_sim.physics.declaration import family_of
 from exo_sim.physics.transmission import gives
 
 #: By cylinder, parameters of what resists its piston.
@@ -17,7 +17,7 @@ Friction = Mapping[str, Sequence[tuple[FreeParameter, float]]]
 
 def is_soft(effect: str) -> bool:
     """True if an effect is of a transmission that gives."""
-    return effect in declared() and declared()[effect].family == "transmission"
+    return family_of(effect) == "transmission"
 
 
 def softens(model: FittedModel) -> bool:

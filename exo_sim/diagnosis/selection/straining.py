@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
+from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.policy.off_nominal import STRAINING
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.model_fits import ModelFits
-from exo_sim.physics.declaration import declared
+from exo_sim.physics.declaration import family_of
 
 
 def without_straining(plain: FittedModel, fits: ModelFits) -> FittedModel:
@@ -40,21 +43,17 @@ def _is_left_to_others(candidate: Candidate, plain: FittedModel, without: Fitted
     """Return whether what is left without an effect is noise, or what the known laws of its family may get wrong and are bent for."""
     if without.fit.sse <= fits.model.size:
         return True
-    bent = _strain(plain, candidate.effect, fits) - _strain(without, candidate.effect, fits)
-    return bent > STRAINING and without.fit.sse <= fits.model.discrepancy_bound**2 * fits.model.size
+    if without.fit.sse > fits.model.discrepancy_bound**2 * fits.model.size:
+        return False
+    family = family_of(candidate.effect)
+    known = [q for q in fits.nuisances if family and family_of(q.effect) == family]
+    return _strain(plain, known) - _strain(without, known) > STRAINING
 
 
-def _strain(fitted: FittedModel, effect: str, fits: ModelFits) -> float:
-    """Return by how much the known numbers of an effect's family are off, the sum of their squares in standard deviations.
+def _strain(fitted: FittedModel, known: Sequence[FreeParameter]) -> float:
+    """Return by how much known numbers are off, the sum of their squares in standard deviations.
 
     What is found has priors of its own, such as the shape of a dip: they are no numbers that anybody knows.
     """
-    family = _family(effect)
-    known = [q for q in fits.nuisances if q.prior is not None and _family(q.effect) == family]
     away, _ = prior_terms(known, fitted.fit.values)
-    return float(away @ away) if family else 0.0
-
-
-def _family(effect: str) -> str:
-    """Return the family of an effect, or "" of what is none, such as a mass."""
-    return declared()[effect].family if effect in declared() else ""
+    return float(away @ away)

@@ -63,10 +63,11 @@ def nuisance_parameters(runs: Sequence[MotionRun], plant: PlantParameters, where
         spread, unit = external_leaks(plant)[name], OUTWARD.parameter(name).unit
         if unit == "m^2":  # one law will do for a trace
             found.append(_of_cylinder(OUTWARD.name, where, name, unit, spread, (0.0, 2.5 * spread), (0.0, spread)))
+    contained = plant.contained_effects
     for effect in declared().values():
         if effect.cut != "motion" or effect.name not in (plant.cylinder.dtype.names or ()) or effect.identification.though_on:
             continue
-        rubs = run.cylinder is not None and effect.name not in plant.contained_effects  # seals do, bearings do not
+        rubs = run.cylinder is not None and effect.name not in contained  # seals do, bearings do not
         for parameter in effect.parameters:
             value = float(plant.cylinder[effect.name][parameter.name][0])
             dry, most = (effect.identification.resists * share * full for share in (priors.HEALTHY_DRY, healthy.DRY_FRICTION))

@@ -65,6 +65,26 @@ class Searched:
         """
         return self._latest(cylinder, asked, lambda time, _: time != test_time)
 
+    def start_of(self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]) -> WarmStart:
+        """Return where a search begins.
+
+        All candidates are asked together once for the same rows. The friction of a piston changes the answer only where a transmission
+        gives: beside what an ended search found without it, they are asked again only where one was found.
+
+        Args:
+            cylinder, test_time, friction, asked: Of the search that is to begin.
+        """
+        if (standing := self.standing(cylinder, test_time, friction, asked)) is not None:
+            return WarmStart(begun=standing, asks_together=lambda _: False)
+        if (earlier := self.of_other_time(cylinder, test_time, asked)) is not None:
+            return WarmStart(begun=earlier)
+        before = self._latest_result(cylinder, lambda time, known: time == test_time and known != friction)
+        if before is None:
+            return WarmStart()
+        ended = not before.search.interrupted and all(self.results[key] is not before for key in self.stopped)
+        once = ended and not softens(before.search.final)
+        return WarmStart(begun=_asked_of(before.search.final, asked), asks_together=softens if once else lambda _: True)
+
     def allowed(self, cylinder: str, effort: Effort) -> Allowance:
         """Return how many samples the next search of a cylinder's gas may predict: what is left of the most, and no less than the least.
 
@@ -93,12 +113,6 @@ class Searched:
         searched = [one.model.all_runs for (name, *_), one in self.results.items() if name == cylinder]
         return frozenset(run.recording for runs in searched for run in runs if run.sampled)
 
-    def of_other_friction(
-        self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]
-    ) -> FittedModel | None:
-        """Return what the latest search of the same time ended with beside another friction of the piston, or None; as `standing`."""
-        return self._latest(cylinder, asked, lambda time, known: time == test_time and known != friction)
-
     def standing(
         self, cylinder: str, test_time: Hashable, friction: Hashable, asked: Sequence[Candidate]
     ) -> FittedModel | None:
@@ -115,11 +129,16 @@ class Searched:
         self, cylinder: str, asked: Sequence[Candidate], is_meant: Callable[[Hashable, Hashable], bool]
     ) -> FittedModel | None:
         """Return the model of the latest search of a cylinder that is meant, by its test time and friction, with what is asked of it."""
+        latest = self._latest_result(cylinder, is_meant)
+        return None if latest is None else _asked_of(latest.search.final, asked)
+
+    def _latest_result(self, cylinder: str, is_meant: Callable[[Hashable, Hashable], bool]) -> SubsystemResult[GasModel] | None:
+        """Return the latest result of a cylinder that is meant, by its test time and friction."""
         meant = [
             one for (name, time, _, friction), one in self.results.items()
             if name == cylinder and is_meant(time, friction) and not one.is_empty
         ]  # fmt: skip
-        return _asked_of(meant[-1].search.final, asked) if meant else None
+        return meant[-1] if meant else None
 
 
 def _asked_of(found: FittedModel, asked: Sequence[Candidate]) -> FittedModel:
@@ -163,10 +182,7 @@ def examine_gas(
         friction = None if plan.friction is None else tuple(plan.friction.get(name, ()))
         key = (name, plan.test_time, tuple(one.key for one in asked), friction)
         if key not in done:
-            standing = searched.standing(name, plan.test_time, friction, asked)
-            earlier = searched.of_other_time(name, plan.test_time, asked)
-            earlier = earlier or searched.of_other_friction(name, plan.test_time, friction, asked)
-            begun = WarmStart(None, standing or earlier, standing is not None)
+            begun = searched.start_of(name, plan.test_time, friction, asked)
             soft = softens if plan.friction is None and joint in data.joints else None
             seek = partial(_searched, nuisances=nuisances, asked=asked, soft=soft, plan=plan, threads=threads, report=_naming(report, name))
             if model.size >= FEWEST_ROWS:

@@ -58,12 +58,13 @@ class WarmStart:
     Attributes:
         first: A fit of the nuisance parameters, or of most of them; None for their typical values.
         begun: A model of other rows of the same subsystem, of which only candidates and values count; None for no candidate.
-        was_asked_together: Whether a search of these rows asked all candidates together before, and what it found is what it begins with.
+        asks_together: Of a model that leaves something, whether all candidates are asked together beside it: not where a search before,
+            which it begins with what was found by, had the same answer to that.
     """
 
     first: Fit | None = None
     begun: FittedModel | None = None
-    was_asked_together: bool = False
+    asks_together: Callable[[FittedModel], bool] = lambda _: True
 
 
 class Search:
@@ -131,7 +132,6 @@ class _Growth:
         begun = start.begun if start.begun is not None and start.begun.candidates else None
         best = self._standing_of(begun) if begun is not None else self.comparisons.baseline
         beam = [best]
-        asks_together = begun is None or not start.was_asked_together
         together: Together | None = None
         again = False
         for _ in range(MOST_FINDINGS):
@@ -147,7 +147,7 @@ class _Growth:
                 beam = [best]
                 continue
             if tidied is None:
-                if asks_together and together is None and not self.joint.is_within_bound(best):
+                if together is None and start.asks_together(best) and not self.joint.is_within_bound(best):
                     together = self.joint.found_together(best)
                     if self._ends_with(together):
                         return self._reached(together.model)
@@ -158,7 +158,7 @@ class _Growth:
             self._report(f"{len(best.candidates)} found, {best.candidates[-1].effect.replace('_', ' ')} last")
             if not self.comparisons.is_clean(best) and self._goes_elsewhere(best):
                 return self._interrupted(best)
-            if not self.comparisons.is_clean(best) and asks_together and together is None:
+            if together is None and start.asks_together(best) and not self.comparisons.is_clean(best):
                 if (elsewhere := self._elsewhere_next(best)) is not None:
                     return self._interrupted(elsewhere)
                 together = self.joint.found_together(best)

@@ -159,10 +159,28 @@ def test_a_search_in_another_division_of_the_time_begins_with_what_the_first_fou
     assert searched.standing("piston", "beginning", None, sought) is None
     assert searched.standing("piston", "end", "with friction", sought) is None
     assert searched.of_other_time("other", "beginning", sought) is None
-    before = searched.of_other_friction("piston", "end", "with friction", sought)  # found while less was known
-    assert before is not None and before.candidates == sought
-    assert searched.of_other_friction("piston", "end", None, sought) is None
-    assert searched.of_other_friction("piston", "beginning", "with friction", sought) is None
+
+
+def test_all_are_asked_together_once_unless_the_friction_of_a_piston_makes_a_transmission_give() -> None:
+    model, sought = waves.Waves(slow=4.0, quicker=3.0), (waves.BASE, waves.OTHER)
+    search = Search(model, (), sought)
+    first: SubsystemResult[Any] = decide("piston", model, search.fits, search.run())
+    found = first.search.final
+    gives = replace(found, candidates=(waves.candidate("transmission_compliance", "base"),))
+    key = ("piston", "end", "asked", None)
+
+    def asked_by(results: Searched, friction: str | None, time: str = "end") -> tuple[bool, bool, bool]:
+        begun = results.start_of("piston", time, friction, sought)
+        assert begun.begun is None or begun.begun.candidates == sought
+        return begun.begun is not None, begun.asks_together(found), begun.asks_together(gives)
+
+    assert asked_by(Searched(), None) == (False, True, True)  # nothing before
+    assert asked_by(Searched({key: first}), None) == (True, False, False)  # the same rows, one refuted
+    assert asked_by(Searched({key: first}), None, "beginning") == (True, True, True)  # other rows
+    assert asked_by(Searched({key: first}), "with friction") == (True, False, True)
+    assert asked_by(Searched({key: first}, {key}), "with friction") == (True, True, True)  # it ended early, perhaps before it asked
+    interrupted = replace(first, search=replace(first.search, interrupted=True))
+    assert asked_by(Searched({key: interrupted}), "with friction") == (True, True, True)
 
 
 @pytest.mark.slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -161,10 +162,10 @@ def test_what_was_asked_together_before_is_not_asked_together_again(asked: list[
     model = Waves(1.2, shapes, slow=9.0, quicker=6.0, hum=4.0)
     before = search(model, False, (BASE,)).run().final
     asked.clear()
-    for again in (False, True):
-        start = WarmStart(begun=before, was_asked_together=again)
-        found = Search(model, (), (BASE, OTHER), start=start).run()
-        assert {c.effect for c in found.final.candidates} == {"base", "other"} and bool(asked) is not again
+    answers: tuple[Callable[[FittedModel], bool], ...] = (lambda _: True, partial(_has, "other"), lambda _: False, partial(_has, "third"))
+    for asks, calls in zip(answers, (True, True, False, False), strict=True):
+        found = Search(model, (), (BASE, OTHER), start=WarmStart(begun=before, asks_together=asks)).run()
+        assert {c.effect for c in found.final.candidates} == {"base", "other"} and bool(asked) is calls
         asked.clear()
 
 

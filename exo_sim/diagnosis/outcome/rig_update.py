@@ -18,7 +18,7 @@ from exo_sim.diagnosis import wording
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.discrepancy.curve import Curve
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.nominal_numbers import ZERO
@@ -263,7 +263,7 @@ def _healthy(rig: Rig, result: Result, calibrated: Collection[str]) -> list[Effe
             parts.setdefault((sensor_bias.EFFECT.name, parameter.where), {})[parameter] = error_of(result, parameter, error)
             if is_faulty(result, parameter, error):
                 faulty.add(parameter.where)
-        elif is_declared(parameter.effect) and rig.effect(*parameter.key[:2]) is None and parameter.prior and not parameter.prior[0]:
+        elif is_declared(parameter.effect) and rig.effect(*parameter.key[:2]) is None and parameter.target is not Target.SENSOR:
             parts.setdefault((parameter.effect, parameter.where), {})[parameter] = error
     for (name, where), errors in parts.items():
         values = result.final.fit.values

@@ -225,6 +225,28 @@ def test_a_number_that_the_rig_leaves_out_of_an_effect_that_it_has_is_written_be
     assert effect is not None and effect.parameters["closing_excess"] == pytest.approx(0.6)
 
 
+def test_a_law_of_a_healthy_machine_stays_in_the_rig_whatever_its_prior_holds_to_be_usual(data: MachineData) -> None:
+    """Heat of a finding was fitted with all of the wall that it touches: without that the rig has another heat than was fitted."""
+    heat = FreeParameter("wall_heat_transfer", "piston", "conductance", "W/K", Target.CYLINDER, 0.2, 0.0, 20.0)
+    exposure, exponent, stirring = (
+        FreeParameter("heat_transfer_law", "piston", name, "1", Target.CYLINDER, 0.5, 0.0, 1.0, prior)
+        for name, prior in (("exposure", (0.5, 0.5)), ("exponent", (0.25, 0.25)), ("stirring", (0.0, 0.5)))
+    )
+    wall = Candidate("wall_heat_transfer", "piston", "conductance", (heat,), ((0.2,),))
+    reported = Finding("wall_heat_transfer", "piston", Kind.MISSING_PHYSICS, "Heat.", {}, 1.0, 0.0)
+    numbers = {exposure: 0.96, exponent: 0.4, stirring: 0.14}
+    law = tuple((q, 0.1) for q in numbers)
+    found = replace(result({heat: 0.27, **numbers}, wall), findings=(reported,), refitted=law)
+    rig = read_back(rig_update(data, [found], ()), data)
+    said = {q.parameter: value for q, value in numbers.items()}
+    for name, values in (("wall_heat_transfer", {"conductance": 0.27}), ("heat_transfer_law", said)):
+        effect = rig.effect(name, "piston")
+        assert effect is not None and effect.parameters == pytest.approx(values)
+    healthy = replace(result({heat: 0.02, **numbers}), refitted=((heat, 0.01), *law))  # no finding: the wall of any machine, and its law
+    effect = read_back(rig_update(data, [healthy], ()), data).effect("wall_heat_transfer", "piston")
+    assert effect is not None and effect.parameters == pytest.approx({"conductance": 0.02})
+
+
 def test_numbers_that_a_law_asks_anew_take_the_place_of_the_rig_s_though_they_are_nil(tmp_path: Path) -> None:
     """A spool of second order is late by the whole of what a dead time and a first order were: were the dead time kept, by twice that."""
     rig = benches.bench(tmp_path, '[effects.valve_lag.piston]\ntime_constant = "4 ms"\ndelay = "5 ms"\n')

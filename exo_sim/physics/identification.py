@@ -108,6 +108,7 @@ class Identification:
             that occurred to a quarter of the fastest, for beyond that such a bend is a number of the whole law.
         within_travels: Parameters that are positions near the travel: from far outside it a law that changes along it is a constant.
         common: A parameter of the effect that this comes on top of, and own ones that are added to it: only the sums show.
+        multiplies: A factor on a number of the rig, and own parameters that multiply it as 1 plus each: only the products show.
         counts_from: What its numbers count from that may be another than the rig says, a number that every fit moves or an effect, with
             what is said then; `{}` is by how much that number is off.
         scale: Typical size of its parameters where neither its ranges nor the motion say it; 0 where they do.
@@ -154,6 +155,7 @@ class Identification:
     within_speeds: tuple[str, ...] = ()
     within_travels: tuple[str, ...] = ()
     common: tuple[str, tuple[str, ...]] = ("", ())
+    multiplies: tuple[str, tuple[str, ...]] = ("", ())
     counts_from: Mapping[str, str] = field(default_factory=dict)
     scale: float = 0.0
     logarithmic: bool = False
@@ -189,7 +191,7 @@ class Identification:
         given: list[dict[str, float]] = [{}, *(dict.fromkeys(form, 1.0) for form in self.forms)]
         lists["left_open"] = {name for question in self.left_open for known in given for name in question(known)}
         lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels", "saturates")}
-        lists["common"] = set(self.common[1])
+        lists |= {"common": set(self.common[1]), "multiplies": set(self.multiplies[1])}
         named = ("neutral", "healthy", "least", "open_by", "known", "starts_by_valve")
         tables = {key: set(getattr(self, key)) for key in named}
         single = {key: {getattr(self, key)} - {""} for key in ("every_contact", "closed_by")}

@@ -64,6 +64,7 @@ def test_nothing_special_is_asked_of_what_is_no_effect() -> None:
         (Identification(within_speeds=("speed",)), "identification.within_speeds: 'speed'"),
         (Identification(within_travels=("place",)), "identification.within_travels: 'place'"),
         (Identification(common=("width", ("lap",))), "identification.common: 'lap'"),
+        (Identification(multiplies=("valve_area", ("size",))), "identification.multiplies: 'size'"),
         (Identification(every_contact="softness"), "identification.every_contact: 'softness'"),
         (Identification(neutral={"rate": 1.0}), "identification.neutral: 'rate'"),
         (Identification(twins=Twins(unseen_from={"play": 1.0})), "identification.twins.unseen_from: 'play'"),

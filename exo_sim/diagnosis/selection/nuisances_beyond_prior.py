@@ -26,7 +26,7 @@ from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.off_nominal import FAR_FROM_STRAINED, WORTH, WRONG_NUMBER
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD, STRAINED
 from exo_sim.diagnosis.selection.comparisons import Comparisons
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, is_at_bound, is_more_than_healthy
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit, is_at_bound
 from exo_sim.diagnosis.selection.held_numbers import Held, is_at_end, ways_to_hold
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
@@ -107,6 +107,8 @@ def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model:
 def absorbers(pressed: Sequence[FreeParameter], now: FittedModel, candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the candidates that some strained numbers may stand for: declared to be mistaken for them, or of these very numbers.
 
+    A law is asked only of the latter: how every machine follows it was fitted within what healthy machines show.
+
     Args:
         pressed: The numbers, of one effect or calibration.
         now: The model that they are strained in.
@@ -117,7 +119,7 @@ def absorbers(pressed: Sequence[FreeParameter], now: FittedModel, candidates: Se
     for c in candidates:
         same = bool(slots & {q.slot for q in c.parameters})
         alike = c.kind is Kind.MISSING_PHYSICS and c.effect in declared() and bool(names & set(declared()[c.effect].mistaken_for))
-        if (same or alike) and not c.is_law and c.at not in now.named and now.meets_prerequisite(c):
+        if (same or (alike and not c.is_law)) and c.at not in now.named and now.meets_prerequisite(c):
             found.append(c)
     return found
 
@@ -142,7 +144,7 @@ def _relieved_of(
     def stands(one: FittedModel) -> bool:
         candidate = one.candidates[-1]
         gives_way = not within.is_at_end([q for q in within.bounded.values() if not _is_overridden(q, one)], one.fit.values)
-        found = is_more_than_healthy(candidate, one, bounded.standard_errors(one)) and not is_at_bound(candidate, one)
+        found = exceeds_healthy_limit(candidate, one, bounded.standard_errors(one)) and not is_at_bound(candidate, one)
         return gives_way and found and comparisons.accepts(held, one) and _explains_as_well(one, alone, model, kept_back)
 
     standing = [one for one in tried if stands(one)]
@@ -241,10 +243,11 @@ def _own(pressed: Sequence[FreeParameter], final: FittedModel, asked: Sequence[C
         asked: Candidates, of which one may be of these very numbers.
     """
     first, form = pressed[0], "+".join(q.parameter for q in pressed)
+    fitted = {q.slot: value for q, value in final.fit.values.items()}
     values = tuple(final.fit.values[q] for q in pressed)
-    declared_so = next((c for c in asked if c.key == (first.effect, first.where, form)), None)
-    if declared_so is not None:
-        return replace(declared_so, starts=(*declared_so.starts, values))
+    for c in (c for c in asked if c.at == (first.effect, first.where)):
+        if c.form == form or (c.is_law and all(q.slot in fitted for q in c.parameters)):
+            return replace(c, starts=(*c.starts, tuple(fitted[q.slot] for q in c.parameters)))
     free = tuple(replace(q, prior=None) for q in pressed)
     return Candidate(first.effect, first.where, form, free, (values,), kind=Kind.CALIBRATION, prevalence=float(WRONG_NUMBER))
 

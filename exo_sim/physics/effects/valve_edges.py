@@ -54,6 +54,7 @@ EFFECT = Effect(
         is_law=True,
         on_top_of="valve_deadband",
         common=("width", tuple(f"overlap_{edge}" for edge in EDGES)),
+        multiplies=("valve_area", tuple(f"excess_{edge}" for edge in EDGES)),
         counts_from={
             "flow_capacity": "Excess counts from a valve area that is {} than the rig's, as in improved.toml.",
             "valve_deadband": "Overlap counts from the end of the dead band that is named beside it.",

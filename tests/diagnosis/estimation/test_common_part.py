@@ -53,3 +53,46 @@ def test_no_bound_is_passed() -> None:
 def test_without_all_of_them_nothing_changes() -> None:
     some = fitted(WIDTH, (0.04, -0.01, -0.01), LAPS[:2])
     assert with_common_parts_split(some) is some
+
+
+AREA = FreeParameter("flow_capacity", "piston", "valve_area", "1", Target.FACTOR, 0.1, 0.05, 10.0, (1.0, 0.1), neutral=1.0)
+SIZES = tuple(
+    FreeParameter("valve_edges", "piston", f"excess_{edge}", "1", Target.CYLINDER, 0.05, -0.95, 4.0, (0.0, 0.05), healthy_limit=0.15)
+    for edge in EDGES
+)
+
+
+def areas(values: dict[FreeParameter, float]) -> list[float]:
+    return [values[AREA] * (1.0 + value) for q, value in values.items() if q is not AREA]
+
+
+def edges_of(factor: float, excess: tuple[float, ...], sizes: tuple[FreeParameter, ...] = SIZES) -> Fit:
+    parameters = (AREA, *sizes)
+    at = dict(zip(parameters, (factor, *excess), strict=True))
+    rows, jacobian = prior_terms(parameters, at)
+    shown = np.array([[1.0 + e for e in excess], *np.diag([factor] * len(excess))]).T * [q.slope(at[q]) for q in parameters]
+    return Fit(parameters, at, np.array(areas(at)) - 1.0, shown, float(rows @ rows), jacobian)
+
+
+@pytest.mark.parametrize(
+    ("factor", "excess", "expected"),
+    [
+        (0.86, (0.16, -0.14, 0.17, -0.15), (0.0, -0.26, 0.0, -0.27)),  # small exhaust edges, not a small valve with large supply edges
+        (0.95, (-0.15, -0.16, -0.15, -0.15), (0.0, -0.01, 0.0, 0.0)),  # a small valve with edges that are alike
+        (1.05, (-0.01, 0.3, 0.01, 0.0), (0.0, 0.31, 0.02, 0.01)),
+    ],
+)
+def test_as_few_edges_as_can_be_are_of_another_size(factor: float, excess: tuple[float, ...], expected: tuple[float, ...]) -> None:
+    before = edges_of(factor, excess)
+    after = with_common_parts_split(before)
+    assert [after.values[q] for q in SIZES] == pytest.approx(expected, abs=0.015)
+    assert areas(after.values) == pytest.approx(areas(before.values)) and after.sse == before.sse
+    assert after.jacobian == pytest.approx(edges_of(*(after.values[AREA], tuple(after.values[q] for q in SIZES))).jacobian)
+
+
+def test_edges_within_what_healthy_valves_have_stay_where_their_fit_left_them() -> None:
+    healthy = tuple(replace(q, healthy_limit=0.0) for q in SIZES)
+    before = edges_of(0.9, (0.1, -0.1, 0.1, -0.1), healthy)
+    assert with_common_parts_split(before) is before
+    alone = edges_of(0.9, (0.1,), SIZES[:1])
+    assert with_common_parts_split(alone) is alone

@@ -306,10 +306,11 @@ class ModelFits:
         """
         parameters = tuple(q for q in model.fit.parameters if q not in gone)
         length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
-        return fit(
+        done = fit(
             self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
             correlation_length=length, derivatives=Derivatives(model.fit.columns, renewed=False), is_spent=self.is_spent,
         )  # fmt: skip
+        return with_common_parts_split(done)
 
     def _residual_of(self, candidates: Sequence[Candidate]) -> Residual:
         fixed = [pair for candidate in candidates for pair in candidate.fixed]

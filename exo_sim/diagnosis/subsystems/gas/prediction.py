@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.subsystems.gas.initial_play import FEWEST, initial_play, samples_of_open_play
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 from exo_sim.physics import chamber, plant, state
 from exo_sim.physics.compiled import borrow, kernel, own_array, own_copy
-from exo_sim.physics.effects import line_restriction, valve_lag
+from exo_sim.physics.effects import line_restriction, valve_hysteresis, valve_lag
 from exo_sim.physics.nodes import change_hose_pressure, change_pressure
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.settling import hot_gas, settling_rate
@@ -256,12 +258,28 @@ def run_gas(
         gas.settle_transmission(length[:1])
     rest = n if whole else 0
     out, inside, drawn, temperature = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
-    gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0]
-    gas.memory[0, state.SPOOL_2] = gas.memory[0, state.PLAY_2] = feed.command_2[0]
     arrived = feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay)
     gap = max(GAP, windows.JUMP * usual)
-    predict(
-        world, cylinder, gas.vector, feed.time, gap, arrived.command, arrived.first, length, feed.supply, feed.exhaust,
-        feed.supply_temperature, feed.windows.starts, start, out, inside, drawn, temperature,
-    )  # fmt: skip
+    half = 0.5 * float(cylinder[valve_hysteresis.EFFECT.name]["width"][0])
+
+    def run(m: int, plays: Sequence[float], seen: Array, inside: Array, drawn: Array, temperature: Array) -> None:
+        gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0] + half * plays[0]
+        gas.memory[0, state.SPOOL_2] = gas.memory[0, state.PLAY_2] = feed.command_2[0] + half * plays[1]
+        predict(
+            world, cylinder, gas.vector, feed.time[:m], gap, arrived.command[:m], arrived.first[:m], length[:m], feed.supply[:m],
+            feed.exhaust[:m], feed.supply_temperature[:m], feed.windows.starts, start, seen, inside, drawn, temperature,
+        )  # fmt: skip
+
+    def errors(*places: float) -> Array:
+        nothing = np.empty((0, 2))
+        run(shown, places, out[:shown], nothing, np.zeros(0), nothing)
+        pairs = zip(feed.run.pressure, out[:shown].T, offset, strict=True)
+        return np.array([0.0 if p is None else np.nansum((p[:shown] - zero - seen) ** 2) for p, seen, zero in pairs])
+
+    plays = (0.0, 0.0)
+    if half > 0.0 and feed.run.commanded:
+        shown = max(samples_of_open_play(feed.time, command, 2.0 * half) for command in (feed.command, feed.command_2))
+        if shown >= FEWEST:
+            plays = initial_play(errors, together=not bool(cylinder["independent"][0] > 0.0))
+    run(n, plays, out, inside, drawn, temperature)
     return GasPrediction(out, inside, drawn, temperature)

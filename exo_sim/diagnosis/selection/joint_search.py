@@ -14,8 +14,10 @@ import numpy as np
 
 from exo_sim.diagnosis.estimation.budget import IsSpent
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import FIRST_LOOKED, MOST_EXTENSIONS, MOST_JOINT, STRAY, WORTH_A_ROUND
+from exo_sim.diagnosis.policy.verdicts import LARGER_PART
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_at_bound, is_more_than_healthy
 from exo_sim.diagnosis.selection.joint_proposal import Proposal, joint_proposals
@@ -103,7 +105,25 @@ class JointSearch:
             if self.comparisons.is_clean(best):
                 break
         pruned = self._jointly_pruned(self._reshaped(best))
-        return pruned if self._goes_elsewhere(pruned) else self.extended(pruned)
+        return self._beside_sensors(pruned) if self._goes_elsewhere(pruned) else self.extended(pruned)
+
+    def _beside_sensors(self, now: FittedModel) -> FittedModel:
+        """Return a model with the fault of one sensor that explains the larger part of what is left, if one does.
+
+        Faults of sensors are not proposed with the others. What is asked of another subsystem would be asked with what stands in for it.
+        """
+        if self.comparisons.is_clean(now) or self._is_over():
+            return now
+        faults = [c for c in self.proposals.candidates if c.kind is Kind.SENSOR and c.at not in now.named]
+        looks = [self.fits.look((*now.candidates, one), now) for one in faults]
+        if not looks:
+            return now
+        best = self.fits.fit(self.comparisons.ranked(looks)[0].candidates, now)
+        fault = best.candidates[-1]
+        if best.fit.sse > (1.0 - LARGER_PART) * now.fit.sse or not is_more_than_healthy(fault, best) or is_at_bound(fault, best):
+            return now
+        self._report(f"{fault.effect.replace('_', ' ')} of {fault.where} beside them")
+        return self._jointly_pruned(self.fits.refined(best))
 
     def _reshaped(self, now: FittedModel) -> FittedModel:
         """Return a model with the effects that do not answer in proportion begun anew at their best shapes, where that leaves less."""

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import pytest
 from diagnosis.waves import BASE, OTHER, RATE, RINGS, Ringing, Waves, candidate
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.selection import joint_search
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
@@ -19,14 +21,15 @@ ASKED = (BASE, OTHER, candidate("level", "level"))
 
 
 def begun(
-    model: Waves, is_spent: Callable[[], bool] = lambda: False, asked: tuple[Candidate, ...] = ASKED
+    model: Waves, is_spent: Callable[[], bool] = lambda: False, asked: tuple[Candidate, ...] = ASKED,
+    goes_elsewhere: Callable[[FittedModel], bool] = lambda _: False,
 ) -> tuple[JointSearch, FittedModel]:
     """Return a search, for two waves and a level where nothing else is said, and its baseline."""
     one = Search(model, (), asked)
     bare = one.fits.refined(one.fits.fit(()))
     comparisons = Comparisons(one.fits, bare, 3, 0.0)
     simplification = Simplification(one.fits, comparisons, one.proposals)
-    return JointSearch(one.fits, comparisons, one.proposals, simplification, lambda words: None, is_spent), bare
+    return JointSearch(one.fits, comparisons, one.proposals, simplification, lambda words: None, is_spent, goes_elsewhere), bare
 
 
 def test_what_is_there_together_is_found_together() -> None:
@@ -35,6 +38,16 @@ def test_what_is_there_together_is_found_together() -> None:
     assert found.explains and {c.effect for c in found.model.candidates} == {"base", "other"}
     sizes = {c.effect: found.model.fit.values[c.parameters[0]] for c in found.model.candidates}
     assert sizes == pytest.approx({"base": 8.0, "other": 6.0}, abs=0.3)
+
+
+@pytest.mark.parametrize(("level", "healthy", "named"), [(9.0, 0.0, True), (0.8, 0.0, False), (9.0, 20.0, False)])
+def test_a_sensor_that_misleads_is_found_before_another_subsystem_is_asked(level: float, healthy: float, named: bool) -> None:
+    """Faults of sensors are not proposed with effects; one that explains the larger part of what those leave is seen beside them."""
+    late = candidate("sensor_delay", "level")
+    late = replace(late, kind=Kind.SENSOR, parameters=(replace(late.parameters[0], healthy_limit=healthy),))
+    search, bare = begun(Waves(slow=8.0, quicker=6.0, level=level), asked=(BASE, OTHER, late), goes_elsewhere=lambda _: True)
+    found = search.found_together(bare).model
+    assert BASE in found.candidates and any(c.kind is Kind.SENSOR for c in found.candidates) is named
 
 
 def test_where_more_is_left_than_a_healthy_machine_leaves_it_explains_nothing_though_there_is_a_model() -> None:

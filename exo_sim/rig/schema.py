@@ -102,6 +102,11 @@ class Cylinder:
         return ("valve_command_1", "valve_command_2") if self.valve.independent else ("valve_command",)
 
     @property
+    def needed_commands(self) -> tuple[str, ...]:
+        """Those without which it is not known what the valve did: a chamber that is always open has nothing to command."""
+        return self.commands[:1] if self.single_acting else self.commands
+
+    @property
     def area_1(self) -> float:
         """Piston area on the side of chamber 1 [m^2]."""
         return math.pi / 4 * self.bore**2

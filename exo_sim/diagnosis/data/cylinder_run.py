@@ -176,6 +176,7 @@ def cylinder_runs(
         if p_1 is None and p_2 is None:
             continue
         commands = [recording.get(f"{name}.{signal}") for signal in rig.cylinders[name].commands]
+        commanded = all(f"{name}.{signal}" in recording for signal in rig.cylinders[name].needed_commands)
         length, speed, position_noise = known.get(name, (None, None, 0.0))
         placed = _position(recording, name, links)
         p_1, p_2 = (_where_placed(recording, placed, one) for one in (p_1, p_2))
@@ -185,7 +186,7 @@ def cylinder_runs(
                 recording=recording.name, cylinder=name, time=recording.time, command=held[0], length=length, speed=speed,
                 pressure=(p_1, p_2), supply=_bridged(recording, "supply.pressure"), exhaust=_bridged(recording, "exhaust.pressure"),
                 supply_temperature=_bridged(recording, "supply.temperature"), force=recording.get(f"{name}.force"),
-                commanded=all(one is not None for one in commands), noise=(white_noise(p_1), white_noise(p_2)),
+                commanded=commanded, noise=(white_noise(p_1), white_noise(p_2)),
                 breaks=stretch_starts(recording.time, p_1, p_2, placed, mended=recording.breaks), position_noise=position_noise,
                 command_2=held[1] if len(held) > 1 else None, computed=computed,
             )  # fmt: skip

@@ -123,9 +123,9 @@ def _why_no_gas(run: CylinderRun, rig: Rig, rate: float) -> Unjudged | None:
         why = "its pressure is the supply's own: the line between them is open throughout"
         return Unjudged(why, "close the valve between them for some of the time")
     if not run.commanded and rig.cylinders[run.cylinder].valve_area > 0.0:
-        return _uncommanded(run.cylinder)
+        return _uncommanded(run.cylinder, rig)
     if not run.commanded and run.supply is not None:
-        return _uncommanded(run.cylinder)
+        return _uncommanded(run.cylinder, rig)
     return None
 
 
@@ -133,8 +133,9 @@ def _unmeasured(cylinder: str) -> Unjudged:
     return Unjudged("no pressure of it was recorded", f"record {cylinder}.pressure_1 and {cylinder}.pressure_2 as well")
 
 
-def _uncommanded(cylinder: str) -> Unjudged:
-    return Unjudged("its valve command was not recorded", f"record {cylinder}.valve_command as well")
+def _uncommanded(cylinder: str, rig: Rig) -> Unjudged:
+    columns = " and ".join(f"{cylinder}.{command}" for command in rig.cylinders[cylinder].needed_commands)
+    return Unjudged("its valve command was not recorded", f"record {columns} as well")
 
 
 def _is_slow(run: CylinderRun) -> bool:

@@ -72,6 +72,31 @@ def test_what_was_not_recorded_is_said_by_its_name(tmp_path: Path, without: tupl
     assert data.cylinders == {} and why in whys(data)["the gas of piston in bench"]
 
 
+@pytest.mark.parametrize(
+    ("acting", "recorded", "do"),
+    [
+        ("single", ("piston.valve_command_1",), None),  # nothing feeds the other chamber
+        ("single", (), "record piston.valve_command_1 as well"),
+        ("double", ("piston.valve_command_1",), "record piston.valve_command_1 and piston.valve_command_2 as well"),
+        ("double", ("piston.valve_command_1", "piston.valve_command_2"), None),
+    ],
+)
+def test_a_valve_with_independent_edges_needs_the_command_of_each_chamber_that_it_feeds(
+    tmp_path: Path, acting: str, recorded: tuple[str, ...], do: str | None
+) -> None:
+    rig = replace(benches.bench(tmp_path), text="")
+    piston = rig.cylinders["piston"]
+    piston = replace(piston, single_acting=acting == "single", valve=replace(piston.valve, independent=True))
+    rig = replace(rig, cylinders={"piston": piston})
+    table, model = benches.led(rig, 2.0), load(rig)
+    columns = {key: values for key, values in table.columns.items() if "command" not in key}
+    columns |= {key: np.zeros(len(table.time)) for key in recorded}
+    table = replace(table, columns=columns)
+    data = sort(MachineData(rig, model, linkages(rig, model), (table,), (table,), {}, {}))
+    assert [question.do for question in data.open_questions if question.question == "the gas of piston in bench"] == ([do] if do else [])
+    assert bool(data.cylinders) is (do is None)
+
+
 def test_a_clock_too_slow_for_gas_is_said_with_its_rate(tmp_path: Path) -> None:
     rig = benches.bench(tmp_path)
     time = np.arange(120) * 1.0

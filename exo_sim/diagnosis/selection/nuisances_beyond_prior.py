@@ -107,7 +107,8 @@ def relieved(search: SearchResult, fits: ModelFits, proposals: Proposals, model:
 def absorbers(pressed: Sequence[FreeParameter], now: FittedModel, candidates: Sequence[Candidate]) -> list[Candidate]:
     """Return the candidates that some strained numbers may stand for: declared to be mistaken for them, or of these very numbers.
 
-    A law is asked only of the latter: how every machine follows it was fitted within what healthy machines show.
+    A law is asked only of the latter: how every machine follows it was fitted within what healthy machines show, whether or not what it
+    otherwise comes on top of is there.
 
     Args:
         pressed: The numbers, of one effect or calibration.
@@ -119,7 +120,11 @@ def absorbers(pressed: Sequence[FreeParameter], now: FittedModel, candidates: Se
     for c in candidates:
         same = bool(slots & {q.slot for q in c.parameters})
         alike = c.kind is Kind.MISSING_PHYSICS and c.effect in declared() and bool(names & set(declared()[c.effect].mistaken_for))
-        if (same or (alike and not c.is_law)) and c.at not in now.named and now.meets_prerequisite(c):
+        if c.at in now.named:
+            continue
+        if c.is_law and same:
+            found.append(replace(c, prerequisite="" if not now.meets_prerequisite(c) else c.prerequisite))
+        elif not c.is_law and (same or alike) and now.meets_prerequisite(c):
             found.append(c)
     return found
 

@@ -151,6 +151,22 @@ def test_more_than_healthy_parts_show_is_asked_as_the_effect_itself(form: str) -
     assert named.effect == "valve_lag" and named.kind is Kind.MISSING_PHYSICS
 
 
+@pytest.mark.parametrize(("limit", "named"), [(3.0, True), (5.0, False)])
+def test_a_law_is_asked_where_healthy_machines_do_not_follow_it_so_far_though_what_it_comes_on_top_of_is_not_there(
+    limit: float, named: bool
+) -> None:
+    """Edges of a valve that differ by half as much again as those of any other: all that was free of them ended at its bounds."""
+    edge = replace(waves.parameter("valve_edges", "slow", prior=(0.0, 1.0)), low=-3.0, high=3.0)
+    law = replace(waves.candidate("valve_edges", "slow", prerequisite="valve_deadband"), is_law=True)
+    law = replace(law, parameters=tuple(replace(q, healthy_limit=limit) for q in law.parameters))
+    model = Volume(shapes=SHAPES, slow=4.5)
+    search, fits, proposals = ended(model, law, volume=edge)
+    found, _ = relieved(search, fits, proposals, model, KEPT)
+    assert [c.effect for c in found.final.candidates] == (["valve_edges"] if named else [])
+    if named:
+        assert found.final.fit.values[law.parameters[0]] == pytest.approx(4.5, abs=0.2)
+
+
 def test_who_is_asked_is_declared_with_the_effects() -> None:
     search, _, _ = ended(Volume(shapes=SHAPES, slow=6.0))
     there = [waves.candidate(name, "quick") for name in ("line_restriction", "valve_lag", "heat_transfer_law", "piston_leakage")]

@@ -63,16 +63,23 @@ class JointSearch:
     def found_together(self, now: FittedModel) -> Together:
         """Return the model that is reached by asking all candidates together, and leaving out what is not missed.
 
-        Proposals are made beside the model that there is, and where that leads nowhere, beside none, unless nothing of that model is left
-        in what it led to. It does not explain the data where it leaves more than the model of a healthy machine would, where what stands
-        of it explains less, or where it is no better than the model that there is. Where another subsystem is to be asked first it is
-        returned as it was proposed, without what is not missed.
+        Proposals are made beside the model that there is, and beside none where that leaves more than the model of a healthy machine
+        would: what leads further at once is followed first, the other where that leads nowhere. It does not explain the data where it
+        leaves more than the model of a healthy machine would, where what stands of it explains less, or where it is no better than the
+        model that there is. Where another subsystem is to be asked first it is returned as it was proposed, without what is not missed.
         """
-        reached = self._reached_from(now)
+        begun, bare = self._after_a_round(now), self.comparisons.baseline
+        paths = {frozenset(begun.named): (begun, begun is not now)}
+        if now.candidates and not self.is_within_bound(begun) and not self._is_over():
+            anew = self._after_a_round(bare)
+            paths.setdefault(frozenset(anew.named), (anew, anew is not bare))
+        first, *others = self.comparisons.ranked([model for model, _ in paths.values()])
+        reached = self._reached_from(*paths[frozenset(first.named)])
+        for other in others:
+            if not (self._goes_elsewhere(reached) or self.is_within_bound(reached) or self._is_over()):
+                reached = self.comparisons.ranked([reached, self._reached_from(*paths[frozenset(other.named)])])[0]
         if self._goes_elsewhere(reached):
             return Together(reached, explains=False)
-        if now.named & reached.named and not self.is_within_bound(reached) and not self._is_over():
-            reached = self.comparisons.ranked([reached, self._reached_from(self.comparisons.baseline)])[0]
         tidied = self.simplification.tidied(reached)
         if not self.is_within_bound(reached):
             return Together(tidied, explains=False)
@@ -84,28 +91,40 @@ class JointSearch:
         bound = self.fits.model.discrepancy_bound
         return self.comparisons.is_clean(model) or model.fit.sse < bound * bound * self.fits.model.size
 
-    def _reached_from(self, now: FittedModel) -> FittedModel:
-        """Return the model that proposals of several candidates at once lead to, without what is not missed in the end."""
-        model, threads = self.fits.model, self.fits.threads
-        best = now
-        for _ in range(MOST_JOINT):
-            if self._is_over():
+    def _reached_from(self, begun: FittedModel, goes_on: bool) -> FittedModel:
+        """Return the model that further proposals lead to, without what is not missed in the end.
+
+        Args:
+            begun: What a first round led to.
+            goes_on: Whether that was worth it.
+        """
+        best = begun
+        for _ in range(MOST_JOINT - 1 if goes_on else 0):
+            if self._is_over() or self.comparisons.is_clean(best):
                 break
-            self._report(f"weighing {len(self.proposals.candidates)} candidates together")
-            sizes = self.fits.signature_sizes
-            proposals = joint_proposals(model, best, self.proposals.candidates, threads, self.fits.is_spent, sizes)
-            fitted = [self._proposed(best, one) for one in proposals]
-            if not fitted:
+            after = self._after_a_round(best)
+            if after is best:
                 break
-            richer = min(fitted, key=lambda one: one.fit.sse)
-            if richer.fit.sse > (1.0 - WORTH_A_ROUND) * best.fit.sse:
-                break
-            best = self.fits.refined(richer)
-            self._report(f"{len(best.candidates)} together, {math.sqrt(best.fit.sse / model.size):.1f} times the noise left")
-            if self.comparisons.is_clean(best):
-                break
+            best = after
         pruned = self._jointly_pruned(self._reshaped(best))
         return self._beside_sensors(pruned) if self._goes_elsewhere(pruned) else self.extended(pruned)
+
+    def _after_a_round(self, now: FittedModel) -> FittedModel:
+        """Return the best fit of what is proposed beside a model, several candidates at once; itself where that is not worth it."""
+        if self._is_over():
+            return now
+        model = self.fits.model
+        self._report(f"weighing {len(self.proposals.candidates)} candidates together")
+        proposals = joint_proposals(
+            model, now, self.proposals.candidates, self.fits.threads, self.fits.is_spent, self.fits.signature_sizes
+        )
+        fitted = [self._proposed(now, one) for one in proposals]
+        richer = min(fitted, key=lambda one: one.fit.sse, default=now)
+        if richer.fit.sse > (1.0 - WORTH_A_ROUND) * now.fit.sse:
+            return now
+        best = self.fits.refined(richer)
+        self._report(f"{len(best.candidates)} together, {math.sqrt(best.fit.sse / model.size):.1f} times the noise left")
+        return best
 
     def _beside_sensors(self, now: FittedModel) -> FittedModel:
         """Return a model with the fault of one sensor that explains the larger part of what is left, if one does.

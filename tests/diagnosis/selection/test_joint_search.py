@@ -56,19 +56,47 @@ def test_where_more_is_left_than_a_healthy_machine_leaves_it_explains_nothing_th
     assert not found.explains and "base" in {c.effect for c in found.model.candidates}
 
 
-def test_proposals_begin_anew_beside_nothing_where_the_path_that_led_nowhere_is_still_in_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_proposals_are_made_beside_nothing_as_well_where_those_beside_a_model_leave_more_than_a_healthy_machine(
+    monkeypatch: pytest.MonkeyPatch
+) -> None:
     search, bare = begun(Waves(1.5, slow=8.0, quick=6.0))
-    begins: list[int] = []
-    reached = JointSearch._reached_from
+    beside: list[int] = []
+    paths: list[set[tuple[str, str]]] = []
+    a_round, reached = JointSearch._after_a_round, JointSearch._reached_from
 
     def counted(self: JointSearch, now: FittedModel) -> FittedModel:
-        begins.append(len(now.candidates))
-        return reached(self, now)
+        beside.append(len(now.candidates))
+        return a_round(self, now)
 
-    monkeypatch.setattr(JointSearch, "_reached_from", counted)
-    for chosen in ((), (BASE,), (OTHER,)):  # the second wave is not there: it goes
+    def followed(self: JointSearch, begun: FittedModel, goes_on: bool) -> FittedModel:
+        paths.append(begun.named)
+        return reached(self, begun, goes_on)
+
+    monkeypatch.setattr(JointSearch, "_after_a_round", counted)
+    monkeypatch.setattr(JointSearch, "_reached_from", followed)
+    for chosen, rounds in (((), [0]), ((BASE,), [1, 0]), ((OTHER,), [1, 0])):  # the second wave is not there: it goes
+        del beside[:], paths[:]
         search.found_together(search.fits.fit(chosen, bare))
-    assert begins == [0, 1, 0, 1]
+        assert beside[: len(rounds)] == rounds and len(paths) == len({frozenset(one) for one in paths})  # no way is gone twice
+    enough = begun(Waves(20.0, slow=8.0, quick=6.0))[0]
+    beside.clear()
+    enough.found_together(enough.fits.fit((BASE,), enough.comparisons.baseline))
+    assert 0 not in beside
+
+
+def test_of_two_ways_that_which_leads_further_at_once_is_followed_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, bare = begun(Waves(1.2, slow=8.0, quicker=6.0))
+    misled = search.fits.fit((candidate("third", "level"),), bare)
+    first: list[set[str]] = []
+    a_round, reached = JointSearch._after_a_round, JointSearch._reached_from
+
+    def followed(self: JointSearch, begun: FittedModel, goes_on: bool) -> FittedModel:
+        first.append({c.effect for c in begun.candidates})
+        return reached(self, begun, goes_on)
+
+    monkeypatch.setattr(JointSearch, "_after_a_round", lambda self, now: now if now is misled else a_round(self, now))
+    monkeypatch.setattr(JointSearch, "_reached_from", followed)
+    assert search.found_together(misled).explains and first[0] == {"base", "other"}
 
 
 def test_what_another_subsystem_is_to_be_asked_for_first_is_handed_on_as_it_was_proposed(monkeypatch: pytest.MonkeyPatch) -> None:

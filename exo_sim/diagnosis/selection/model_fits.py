@@ -15,6 +15,7 @@ from exo_sim.diagnosis.estimation.least_squares import Derivatives, Fit, Residua
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import error_of_sum, standard_errors
+from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, POSITION_DELAY
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.policy.budgets import CHEAP_STARTS, FIRST_LOOK, LAW_STARTS, MOST_REDUCED, MOST_STEPS, REDUCED, STRAY, WORTH_A_LOOK
 from exo_sim.diagnosis.selection.evidence import negative_log_likelihood
@@ -321,8 +322,16 @@ class ModelFits:
         return correlation_time(residual, self.model.blocks)
 
     def standard_errors(self, fitted: FittedModel) -> dict[FreeParameter, float]:
-        """Return the standard error of every parameter of a fitted model, in its unit."""
-        return standard_errors(self.model, fitted.fit, self.correlation_time(fitted.fit.residual))
+        """Return the standard error of every parameter of a fitted model, in its unit.
+
+        How late the card of the pressures is shows only together with how early the position may be: its error is that of the sum.
+        """
+        errors = standard_errors(self.model, fitted.fit, self.correlation_time(fitted.fit.residual))
+        own = {q.parameter: q for q in errors}
+        if CARD_OF_PRESSURES in own and own.get(POSITION_DELAY) in self.nuisances:
+            card = own[CARD_OF_PRESSURES]
+            errors[card] = self.error_of_sum(fitted, {card: 1.0, own[POSITION_DELAY]: -1.0})
+        return errors
 
     def error_of_sum(self, fitted: FittedModel, weights: Mapping[FreeParameter, float]) -> float:
         """Return the standard error of a weighted sum of parameters of a fitted model; infinite where one of them was not fitted."""

@@ -22,6 +22,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.prior_terms import as_counted
 from exo_sim.diagnosis.estimation.uncertainty import covariance
 from exo_sim.diagnosis.findings import Kind
+from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, POSITION_DELAY
 from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.off_nominal import FAR_FROM_STRAINED, WORTH, WRONG_NUMBER
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD, STRAINED
@@ -55,8 +56,8 @@ def is_beyond_data_sheet(parameter: FreeParameter, value: float, error: float) -
 def strained(model: FittedModel, fits: ModelFits, limits: Limits = MappingProxyType({})) -> tuple[FreeParameter, ...]:
     """Return the numbers of the rig, and what healthy parts show, that a fit moved beyond any data sheet.
 
-    Not those of sensors, whose zeros errors of the model move, nor an owner's numbers of an effect, whose law may differ. Parts of one
-    quantity (dead time and time constant of a lag) are also judged together, by `limits`: a fit may share out what neither could be.
+    Of sensors only how late cards are: errors of the model move zeros. Nor an owner's numbers of an effect, whose law may differ. Parts of
+    one quantity (dead time and time constant of a lag) are also judged together, by `limits`: a fit may share out what neither could be.
 
     Args:
         model: Fitted.
@@ -116,9 +117,10 @@ def absorbers(pressed: Sequence[FreeParameter], now: FittedModel, candidates: Se
         candidates: All of the subsystem.
     """
     names, slots = {q.effect for q in pressed}, {q.slot for q in pressed}
+    card = any(q.parameter == POSITION_DELAY for q in pressed)  # pressures and position are late as each other is early
     found = []
     for c in candidates:
-        same = bool(slots & {q.slot for q in c.parameters})
+        same = bool(slots & {q.slot for q in c.parameters}) or (card and any(q.parameter == CARD_OF_PRESSURES for q in c.parameters))
         alike = c.kind is Kind.MISSING_PHYSICS and c.effect in declared() and bool(names & set(declared()[c.effect].mistaken_for))
         if c.at in now.named:
             continue
@@ -271,8 +273,10 @@ def _at_prior_means(model: FittedModel, parameters: Collection[FreeParameter]) -
 
 
 def _is_of_a_part(q: FreeParameter) -> bool:
-    """Return whether a nuisance parameter is a number of the rig, or what a healthy part shows of an effect."""
-    return q.prior is not None and (q.effect in WORTH or (q.effect in declared() and q.prior[0] == 0.0))
+    """Return whether a nuisance parameter is a number of the rig, what a healthy part shows of an effect, or how late a card is."""
+    if q.prior is None:
+        return False
+    return q.effect in WORTH or (q.effect in declared() and q.prior[0] == 0.0) or q.parameter == POSITION_DELAY
 
 
 def _is_overridden(q: FreeParameter, model: FittedModel) -> bool:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from diagnosis import waves
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.candidate import Candidate
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.acceptance import SURELY_MORE
 from exo_sim.diagnosis.policy.off_nominal import HELD_WITHIN
@@ -165,6 +166,31 @@ def test_a_law_is_asked_where_healthy_machines_do_not_follow_it_so_far_though_wh
     assert [c.effect for c in found.final.candidates] == (["valve_edges"] if named else [])
     if named:
         assert found.final.fit.values[law.parameters[0]] == pytest.approx(4.5, abs=0.2)
+
+
+class Cards(Volume):
+    """Pressures that are late show as a position that is early."""
+
+    def residual_of(self, plant: PlantParameters) -> np.ndarray:
+        early = {"position.delay": -1.0}
+        return super().residual_of(replace(plant, sensors={name: early.get(name, 1.0) * v for name, v in plant.sensors.items()}))
+
+
+@pytest.mark.parametrize(("late", "named"), [(3.1, True), (2.0, False)])
+def test_a_card_that_is_later_than_any_healthy_one_is_a_finding_though_a_position_could_be_as_early(late: float, named: bool) -> None:
+    """Only the difference shows: it is known far better than what is priors' of either."""
+    clock = replace(waves.parameter("card_delay", "delay", prior=(0.0, 1.0)), parameter="position.delay", low=-2.5, high=2.5)
+    card = replace(waves.candidate("sensor_delay", "delay"), kind=Kind.SENSOR)
+    seconds = replace(card.parameters[0], parameter="pressures.delay", healthy_limit=2.5)
+    card = replace(card, parameters=(seconds,))
+    model = Cards(shapes={**SHAPES, "delay": 5.0 * waves.SHAPES["slow"]}, delay=late)
+    fits = ModelFits(model, (clock,))
+    alone = fits.refined(fits.fit((), FittedModel.at({clock: -2.0})))
+    found, own = relieved(SearchResult(alone, alone), fits, Proposals(fits, (card,), 0.0), model, KEPT)
+    assert [c.effect for c in found.final.candidates] == (["sensor_delay"] if named else [])
+    if named:
+        assert found.final.fit.values[seconds] == pytest.approx(late, abs=0.1)
+        assert own.standard_errors(found.final)[seconds] < 0.1 < 0.5 < own.standard_errors(found.final)[own.nuisances[0]]
 
 
 def test_who_is_asked_is_declared_with_the_effects() -> None:

@@ -29,7 +29,8 @@ EFFECT = Effect(
         "forward and backward are the whole dry friction of each direction: this effect takes the place of "
         "coulomb_friction. Forward is towards larger position (outwards)."
     ),
-    valid="the seals rub at levels that do not change with speed, pressure, place or time at rest.",
+    valid="the seals rub at levels that do not change with speed, pressure, place or time at rest, and no constant force acts that the rig "
+    "lacks, as on a bench that is not level: beside that, friction of one level looks the same until the machine is turned round.",
     signature="the loop of force against position is not centred on the load",
     # at a joint that moves, Coulomb friction beside a constant torque says the same in simpler words
     identification=Identification(

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -12,7 +11,7 @@ from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Finding
 from exo_sim.diagnosis.nominal_numbers import FORCE_OFFSET, PAYLOAD_MASS, SENSOR_GAIN
-from exo_sim.diagnosis.policy.off_nominal import SURE, ZERO_OF_RANGE
+from exo_sim.diagnosis.policy.off_nominal import LEAST_OF_TWO_WAYS, SURE, ZERO_OF_RANGE
 from exo_sim.physics.declaration import declared
 from exo_sim.physics.effects import sensor_bias, sensor_scale
 
@@ -67,8 +66,8 @@ def friction_beside_constant_force(
 ) -> Mapping[tuple[str, str], tuple[str, ...]]:
     """Return by finding the friction that it may be instead, beside a constant force: a force sensor's bias, or what closed the balance.
 
-    Friction of two directions is that of one beside the zero of a pressure sensor, where this may be as large: no motion tells the two
-    apart, however great the odds of either.
+    Friction of two directions is that of one beside a constant force: no motion tells the two apart, however great the odds of either. That
+    may be the zero of a pressure sensor, where this may be as large; and where no seal differs by so much, any force that the rig lacks.
 
     Args:
         findings: Of a balance.
@@ -86,11 +85,17 @@ def friction_beside_constant_force(
         for f in findings
         if twins and ((f.name == sensor_bias.EFFECT.name and f.where.endswith(".external_force")) or (moved and f.name in twins.values()))
     }
-    return found | {f.at: (beside[f.name],) for f in findings if beside.get(f.name) and _constant_part(f, beside[f.name]) <= of_zeros}
+    return found | {f.at: (beside[f.name],) for f in findings if beside.get(f.name) and _may_be_a_force(f, beside[f.name], of_zeros)}
 
 
-def _constant_part(finding: Finding, single: str) -> float:
-    """Return the constant force of friction of two directions beside that of one, `single` [N or N m]; infinite where none is declared."""
+def _may_be_a_force(finding: Finding, single: str, of_zeros: float) -> bool:
+    """Return whether friction of two directions may be that of one, `single`, beside a constant force; not where none is declared.
+
+    Args:
+        finding: Of friction of two directions.
+        single: The effect that is friction of one.
+        of_zeros: The greatest constant force that zeros of pressure sensors may make [N or N m].
+    """
     shared = dict(declared()[finding.name].absorbs).get(single, ())
-    parts = [finding.parameters[name].value for name, _ in shared if name in finding.parameters]
-    return 0.5 * (max(parts) - min(parts)) if parts else math.inf
+    ways = [finding.parameters[name].value for name, _ in shared if name in finding.parameters]
+    return bool(ways) and (0.5 * (max(ways) - min(ways)) <= of_zeros or min(ways) < LEAST_OF_TWO_WAYS * max(ways))

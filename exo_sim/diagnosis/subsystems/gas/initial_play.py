@@ -11,6 +11,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
+
 Array = NDArray[np.float64]
 
 #: The play is looked for in no more than the first seconds: what the gas does later shows what else is missing [s].
@@ -19,6 +21,34 @@ LOOKED_FOR = 1.2
 FEWEST = 5
 #: Half the span of the three places that are tried around the best so far, as a share of half the loop.
 SPANS = (1.0, 0.35, 0.1)
+
+
+def begun_plays(
+    feed: GasInputs, width: float, together: bool, predicted: Callable[[int, tuple[float, float]], Array]
+) -> tuple[float, float]:
+    """Return where the plays towards both chambers stand when a run begins, as a share of half the loop from its middle.
+
+    Args:
+        feed: Inputs of the run.
+        width: Of the whole loop; without one they stand in the middle, as where the command passes through it at once.
+        together: Whether one spool serves both chambers.
+        predicted: How many of the first samples, and where the plays stand, to the pressures that are predicted, shape (m, 2) [Pa].
+    """
+    shown = max(samples_of_open_play(feed.time, command, width) for command in (feed.command, feed.command_2)) if width > 0.0 else 0
+    if shown < FEWEST:
+        return 0.0, 0.0
+
+    def errors(one: float, other: float) -> Array:
+        pairs = zip(feed.run.pressure, predicted(shown, (one, other)).T, strict=True)
+        return np.array([0.0 if measured is None else _spread(measured[:shown] - seen) for measured, seen in pairs])
+
+    return initial_play(errors, together)
+
+
+def _spread(errors: Array) -> float:
+    """Return the sum of squares about the mean: zeros of sensors, and what a window begins with, say nothing of the play."""
+    known = errors[np.isfinite(errors)]
+    return float(np.sum((known - known.mean()) ** 2)) if known.size else 0.0
 
 
 def samples_of_open_play(time: Array, command: Array, width: float) -> int:

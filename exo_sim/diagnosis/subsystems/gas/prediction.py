@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from exo_sim.diagnosis.subsystems.gas.initial_play import FEWEST, initial_play, samples_of_open_play
+from exo_sim.diagnosis.subsystems.gas.initial_play import begun_plays
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 from exo_sim.physics import chamber, plant, state
 from exo_sim.physics.compiled import borrow, kernel, own_array, own_copy
@@ -53,6 +53,9 @@ RESOLVED = 0.2
 GAP = 0.5
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
 SETTLED = 1e-3
+
+#: Where spool and play of the valve stand in the memory, and of the valve of the second chamber.
+_FIRST, _SECOND = (state.SPOOL, state.PLAY), (state.SPOOL_2, state.PLAY_2)
 
 #: The state of one cylinder, and what a step of it writes to.
 _vector, _work, _scratch = own_array(state.size(1, 0)), own_array(5, state.integrated_size(1)), own_array(8, 2)
@@ -260,26 +263,19 @@ def run_gas(
     out, inside, drawn, temperature = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
     arrived = feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay)
     gap = max(GAP, windows.JUMP * usual)
-    half = 0.5 * float(cylinder[valve_hysteresis.EFFECT.name]["width"][0])
+    width = float(cylinder[valve_hysteresis.EFFECT.name]["width"][0])
 
-    def run(m: int, plays: Sequence[float], seen: Array, inside: Array, drawn: Array, temperature: Array) -> None:
-        gas.memory[0, state.SPOOL] = gas.memory[0, state.PLAY] = feed.command[0] + half * plays[0]
-        gas.memory[0, state.SPOOL_2] = gas.memory[0, state.PLAY_2] = feed.command_2[0] + half * plays[1]
+    def predicted(m: int, plays: Sequence[float], others: tuple[Array, Array, Array]) -> Array:
+        for place, spool, play, command in ((plays[0], *_FIRST, feed.command), (plays[1], *_SECOND, feed.command_2)):
+            gas.memory[0, spool] = gas.memory[0, play] = command[0] + 0.5 * width * place
         predict(
             world, cylinder, gas.vector, feed.time[:m], gap, arrived.command[:m], arrived.first[:m], length[:m], feed.supply[:m],
-            feed.exhaust[:m], feed.supply_temperature[:m], feed.windows.starts, start, seen, inside, drawn, temperature,
+            feed.exhaust[:m], feed.supply_temperature[:m], feed.windows.starts, start, out[:m], *others,
         )  # fmt: skip
+        return out[:m]
 
-    def errors(*places: float) -> Array:
-        nothing = np.empty((0, 2))
-        run(shown, places, out[:shown], nothing, np.zeros(0), nothing)
-        pairs = zip(feed.run.pressure, out[:shown].T, offset, strict=True)
-        return np.array([0.0 if p is None else np.nansum((p[:shown] - zero - seen) ** 2) for p, seen, zero in pairs])
-
-    plays = (0.0, 0.0)
-    if half > 0.0 and feed.run.commanded:
-        shown = max(samples_of_open_play(feed.time, command, 2.0 * half) for command in (feed.command, feed.command_2))
-        if shown >= FEWEST:
-            plays = initial_play(errors, together=not bool(cylinder["independent"][0] > 0.0))
-    run(n, plays, out, inside, drawn, temperature)
+    nothing = (np.empty((0, 2)), np.zeros(0), np.empty((0, 2)))
+    together = not bool(cylinder["independent"][0] > 0.0)
+    plays = begun_plays(feed, width, together, lambda m, places: predicted(m, places, nothing)) if feed.run.commanded else (0.0, 0.0)
+    predicted(n, plays, (inside, drawn, temperature))
     return GasPrediction(out, inside, drawn, temperature)

@@ -40,18 +40,15 @@ def _with_factors_split(fit: Fit) -> Fit:
     wrong, each by a part: the rest of a valve whose exhaust edges are small is as its data sheet says. Of what is within what healthy
     parts show the fit itself says where it stands.
     """
-    values, jacobian, moved = dict(fit.values), fit.jacobian.copy(), False
-    for whole, parts in _products(fit.parameters):
-        ratio = _preferred_ratio(whole, parts, values)
-        if ratio == 1.0:
-            continue
-        moved = True
+    preferred = [(whole, parts, _preferred_ratio(whole, parts, fit.values)) for whole, parts in _products(fit.parameters)]
+    if all(ratio == 1.0 for *_, ratio in preferred):
+        return fit
+    values, jacobian = dict(fit.values), fit.jacobian.copy()
+    for whole, parts, ratio in preferred:
         for q, by in ((whole, ratio), *((part, 1.0 / ratio) for part in parts)):
             before = values[q]
             values[q] = before * by if q is whole else (1.0 + before) * by - 1.0
             jacobian[:, fit.parameters.index(q)] *= q.slope(values[q]) / (q.slope(before) * by)
-    if not moved:
-        return fit
     rows, row_jac = prior_terms(fit.parameters, values)
     return replace(fit, values=values, jacobian=jacobian, penalty=float(rows @ rows), prior_jacobian=row_jac)
 

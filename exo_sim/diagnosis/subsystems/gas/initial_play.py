@@ -15,11 +15,12 @@ from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 
 Array = NDArray[np.float64]
 
-#: The play is looked for in no more than the first seconds: what the gas does later shows what else is missing [s].
+#: The play is looked for in no more than the first seconds: what the gas does later shows what else is missing [s]; asserted, a window.
 LOOKED_FOR = 1.2
 #: Fewest samples that can show it.
 FEWEST = 5
-#: Half the span of the three places that are tried around the best so far, as a share of half the loop.
+#: Half the span of the three places that are tried around the best so far, as a share of half the loop. With two spans, the last 0.3, a
+#: cylinder of 0.2 m is missed by up to 6 % of what it is missed by without its hysteresis, with these by less than 3 %.
 SPANS = (1.0, 0.35, 0.1)
 
 
@@ -58,9 +59,9 @@ def samples_of_open_play(time: Array, command: Array, width: float) -> int:
         time, command: Shape (n,).
         width: Of the whole loop.
     """
-    passed = np.maximum.accumulate(command) - np.minimum.accumulate(command)
-    open_ = int(np.searchsorted(passed, width))  # `passed` never falls
-    return min(open_, int(np.searchsorted(time, time[0] + LOOKED_FOR)))
+    first = command[: int(np.searchsorted(time, time[0] + LOOKED_FOR))]
+    passed = np.maximum.accumulate(first) - np.minimum.accumulate(first)
+    return int(np.searchsorted(passed, width))  # `passed` never falls
 
 
 def initial_play(errors: Callable[[float, float], Array], together: bool) -> tuple[float, float]:

@@ -32,16 +32,12 @@ from exo_sim.physics.state import (
     INTEGRATED,
     PISTON,
     PISTON_SPEED,
-    PLAY,
-    PLAY_2,
     REMEMBERED,
     SHARED,
     SPOOL,
     SPOOL_2,
     SPOOL_SPEED,
     SPOOL_SPEED_2,
-    TANK_PLAY_1,
-    TANK_PLAY_2,
     TANK_SPOOL_1,
     TANK_SPOOL_2,
     TANK_SPOOL_SPEED_1,
@@ -87,13 +83,13 @@ def opening(c, spool: float) -> float:
 
 
 @inlined_kernel
-def move_spool(c, memory, spool: int, play: int, speed: int, command: float, h: float) -> float:
+def move_spool(c, memory, spool: int, speed: int, command: float, h: float) -> float:
     """Move one spool, at its places in memory, on by `h` seconds of a held command; return its mean relative opening meanwhile."""
-    memory[play] = valve_hysteresis.play(c.valve_hysteresis, memory[play], command)
-    wanted, moves = valve_lag.follow(c.valve_lag, memory[spool], memory[speed], memory[play], 0.5 * h)
+    aim = valve_hysteresis.held(c.valve_hysteresis, memory[spool], command)
+    wanted, moves = valve_lag.follow(c.valve_lag, memory[spool], memory[speed], aim, 0.5 * h)
     halfway = spool_rate_limit.limited(c.spool_rate_limit, memory[spool], wanted, 0.5 * h)
     moves = spool_rate_limit.limited_speed(c.spool_rate_limit, moves)
-    wanted, moves = valve_lag.follow(c.valve_lag, halfway, moves, memory[play], 0.5 * h)
+    wanted, moves = valve_lag.follow(c.valve_lag, halfway, moves, aim, 0.5 * h)
     memory[spool] = spool_rate_limit.limited(c.spool_rate_limit, halfway, wanted, 0.5 * h)
     memory[speed] = spool_rate_limit.limited_speed(c.spool_rate_limit, moves)
     return opening(c, halfway)
@@ -163,17 +159,13 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch, books):
         h, stages = step_length(world, cylinders, y, held, start, end, spool, left, dt / most, faster)
         for i in range(n):
             place = i * REMEMBERED
-            spool[i] = move_spool(cylinders[i], memory, place + SPOOL, place + PLAY, place + SPOOL_SPEED, command[i], h)
+            spool[i] = move_spool(cylinders[i], memory, place + SPOOL, place + SPOOL_SPEED, command[i], h)
             spool[n + i] = -spool[i]
             if cylinders[i].independent > 0.0:
-                spool[n + i] = move_spool(cylinders[i], memory, place + SPOOL_2, place + PLAY_2, place + SPOOL_SPEED_2, command[n + i], h)
+                spool[n + i] = move_spool(cylinders[i], memory, place + SPOOL_2, place + SPOOL_SPEED_2, command[n + i], h)
             if world.tank_volume > 0.0:
-                spool[2 * n + i] = move_spool(
-                    cylinders[i], memory, place + TANK_SPOOL_1, place + TANK_PLAY_1, place + TANK_SPOOL_SPEED_1, command[2 * n + i], h
-                )
-                spool[3 * n + i] = move_spool(
-                    cylinders[i], memory, place + TANK_SPOOL_2, place + TANK_PLAY_2, place + TANK_SPOOL_SPEED_2, command[3 * n + i], h
-                )
+                spool[2 * n + i] = move_spool(cylinders[i], memory, place + TANK_SPOOL_1, place + TANK_SPOOL_SPEED_1, command[2 * n + i], h)
+                spool[3 * n + i] = move_spool(cylinders[i], memory, place + TANK_SPOOL_2, place + TANK_SPOOL_SPEED_2, command[3 * n + i], h)
         drawn, tried, too_fast = integrate(world, cylinders, y, held, start, end, left, spool, h, stages, work, x, v, tries, known, moving)
         tries -= tried
         if tries < 0:

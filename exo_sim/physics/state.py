@@ -24,14 +24,12 @@ FED, FED_ENTHALPY, RELEASED, RELEASED_ENTHALPY = 6, 7, 8, 9
 SHARED_CONTENTS = 6  # the first so many
 SHARED = 10
 
-# Remembered, per cylinder: spool, play of the valve, bristle of the dry friction, piston and its speed where
-# the transmission gives; spool and play of the second valve where each chamber has its own, and of those to a recovery tank; how fast each
-# of these spools moves where it has mass.
-SPOOL, PLAY, BRISTLE, PISTON, PISTON_SPEED = 0, 1, 2, 3, 4
-SPOOL_2, PLAY_2 = 5, 6
-TANK_SPOOL_1, TANK_PLAY_1, TANK_SPOOL_2, TANK_PLAY_2 = 7, 8, 9, 10
-SPOOL_SPEED, SPOOL_SPEED_2, TANK_SPOOL_SPEED_1, TANK_SPOOL_SPEED_2 = 11, 12, 13, 14
-REMEMBERED = 15
+# Remembered, per cylinder: spool, bristle of the dry friction, piston and its speed where the transmission gives; spool of the second
+# valve where each chamber has its own, and of those to a recovery tank; how fast each of these spools moves where it has mass.
+SPOOL, BRISTLE, PISTON, PISTON_SPEED = 0, 1, 2, 3
+SPOOL_2, TANK_SPOOL_1, TANK_SPOOL_2 = 4, 5, 6
+SPOOL_SPEED, SPOOL_SPEED_2, TANK_SPOOL_SPEED_1, TANK_SPOOL_SPEED_2 = 7, 8, 9, 10
+REMEMBERED = 11
 
 # Remembered, shared: flow that the regulator feels, and the flow its diaphragm holds; how fast the gas turned out to be where a step
 # was too coarse for it.

@@ -20,7 +20,10 @@ EFFECT = Effect(
     needs=("valve_command",),
     mistaken_for=("valve_deadband", "valve_lag", "backlash"),
     experiment="lock the rod and loop the command slowly between different turning points",
-    convention="width is that of the whole loop, in units of command, from -1 to 1.",
+    convention=(
+        "width is that of the whole loop, in units of command, from -1 to 1. What holds the spool is where the spool is: a command that is "
+        "over before a slow spool followed it leaves no trace."
+    ),
     valid="the loop has one width at every command and rate, turning points leave no trace (play, not Preisach).",
     signature="flow against command is a loop of constant width, whatever the rate",
     identification=Identification(jerky=True, starts=((0.005,), (0.012,), (0.025,), (0.05,), (0.1,)), least={"width": 0.0025}),
@@ -28,7 +31,7 @@ EFFECT = Effect(
 
 
 @kernel
-def play(p, memory: float, command: float) -> float:
-    """Return what is left of the command behind a play whose whole loop is `width` wide."""
+def held(p, spool: float, command: float) -> float:
+    """Return where a spool goes that its friction holds while the command is within half of the loop's `width` of it."""
     half = 0.5 * p.width
-    return min(max(memory, command - half), command + half)
+    return min(max(spool, command - half), command + half)

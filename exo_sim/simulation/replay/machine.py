@@ -215,8 +215,8 @@ class RecordedMachine:
         plugin.reset(data, first[:, 0].copy(), first[:, 1].copy())
         plugin.plant.command[:] = feed.command[0]
         one, two = feed.command[0][: len(plugin.links)], feed.command[0][len(plugin.links) :]
-        gas.memory[:, state.SPOOL] = gas.memory[:, state.PLAY] = one
+        gas.memory[:, state.SPOOL] = one
         if two.size:
-            gas.memory[:, state.SPOOL_2] = gas.memory[:, state.PLAY_2] = two
+            gas.memory[:, state.SPOOL_2] = two
         gas.history[:, :-1] = feed.command[0][:, None]
         return mechanics(model, data), plugin.plant

@@ -54,9 +54,6 @@ GAP = 0.5
 #: What settles faster than this, behind a choked path, is not resolved [s]: a fifth of the shortest row of a fit.
 SETTLED = 1e-3
 
-#: Where spool and play of the valve stand in the memory, and of the valve of the second chamber.
-_FIRST, _SECOND = (state.SPOOL, state.PLAY), (state.SPOOL_2, state.PLAY_2)
-
 #: The state of one cylinder, and what a step of it writes to.
 _vector, _work, _scratch = own_array(state.size(1, 0)), own_array(5, state.integrated_size(1)), own_array(8, 2)
 
@@ -266,8 +263,8 @@ def run_gas(
     width = float(cylinder[valve_hysteresis.EFFECT.name]["width"][0])
 
     def predicted(m: int, plays: Sequence[float], others: tuple[Array, Array, Array]) -> Array:
-        for place, spool, play, command in ((plays[0], *_FIRST, feed.command), (plays[1], *_SECOND, feed.command_2)):
-            gas.memory[0, spool] = gas.memory[0, play] = command[0] + 0.5 * width * place
+        for place, spool, command in ((plays[0], state.SPOOL, feed.command), (plays[1], state.SPOOL_2, feed.command_2)):
+            gas.memory[0, spool] = command[0] + 0.5 * width * place
         predict(
             world, cylinder, gas.vector, feed.time[:m], gap, arrived.command[:m], arrived.first[:m], length[:m], feed.supply[:m],
             feed.exhaust[:m], feed.supply_temperature[:m], feed.windows.starts, start, out[:m], *others,

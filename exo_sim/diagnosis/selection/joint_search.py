@@ -122,9 +122,7 @@ class JointSearch:
         richer = min(fitted, key=lambda one: one.fit.sse, default=now)
         if richer.fit.sse > (1.0 - WORTH_A_ROUND) * now.fit.sse:
             return now
-        best = self.fits.refined(richer)
-        self._report(f"{len(best.candidates)} together, {math.sqrt(best.fit.sse / model.size):.1f} times the noise left")
-        return best
+        return self._on_from(richer, f"{len(richer.candidates)} together")
 
     def _beside_sensors(self, now: FittedModel) -> FittedModel:
         """Return a model with the fault of one sensor that explains the larger part of what is left, if one does.
@@ -142,19 +140,32 @@ class JointSearch:
         if best.fit.sse > (1.0 - LARGER_PART) * now.fit.sse or not is_more_than_healthy(fault, best) or is_at_bound(fault, best):
             return now
         self._report(f"{fault.effect.replace('_', ' ')} of {fault.where} beside them")
-        return self._jointly_pruned(self.fits.refined(best))
+        return self._jointly_pruned(self.fits.carried_on(best))
 
     def _reshaped(self, now: FittedModel) -> FittedModel:
-        """Return a model with the effects that do not answer in proportion begun anew at their best shapes, where that leaves less."""
-        for candidate in now.candidates:
+        """Return a model with the effects that do not answer in proportion begun anew at their best shapes, where that leaves less.
+
+        One whose fit leaves less without it is left out: at the shape where it is, it only keeps the others from what they are.
+        """
+        for candidate in [one for one in now.candidates if self.proposals.shapes_of(one)]:
             if self.comparisons.is_clean(now) or self._is_over():
                 break
-            begun = self.proposals.reshaped(candidate, now)
+            if candidate not in now.candidates:
+                continue
+            without = self.fits.fit(drop_orphans(now.without(candidate)), now)
+            if without.fit.sse < now.fit.sse:
+                now = self._on_from(without, f"{candidate.effect.replace('_', ' ')} left out")
+                continue
+            begun = self.proposals.reshaped(candidate, now, without)
             again = now if begun is None else self.fits.fit(begun.candidates, begun, again=True)
             if self.comparisons.ranked([now, again])[0] is not now:
-                now = self.fits.refined(again)
-                left = math.sqrt(now.fit.sse / self.fits.model.size)
-                self._report(f"{candidate.effect.replace('_', ' ')} begun anew, {left:.1f} times the noise left")
+                now = self._on_from(again, f"{candidate.effect.replace('_', ' ')} begun anew")
+        return now
+
+    def _on_from(self, reached: FittedModel, words: str) -> FittedModel:
+        """Return a model whose fit has gone on from where it was reached, and say so."""
+        now = self.fits.carried_on(reached)
+        self._report(f"{words}, {math.sqrt(now.fit.sse / self.fits.model.size):.1f} times the noise left")
         return now
 
     def _jointly_pruned(self, now: FittedModel) -> FittedModel:
@@ -169,7 +180,7 @@ class JointSearch:
             fewer = self.fits.fit(kept, now)
             if self.comparisons.evidence(fewer, now).beside_discrepancy > acceptance.BESIDE_DISCREPANCY:
                 break
-            now = self.fits.refined(fewer)
+            now = self.fits.carried_on(fewer)
             self._report(f"{len(now.candidates)} worth their parameters")
         return now
 
@@ -193,7 +204,7 @@ class JointSearch:
             ]  # fmt: skip
             if not shown:
                 break
-            now = self._jointly_pruned(self.fits.refined(self.comparisons.ranked(shown)[0]))
+            now = self._jointly_pruned(self.fits.carried_on(self.comparisons.ranked(shown)[0]))
         return now
 
     def _proposed(self, now: FittedModel, proposal: Proposal) -> FittedModel:

@@ -298,6 +298,20 @@ class ModelFits:
         self._fitted[key_of(model.candidates)] = better
         return better
 
+    def carried_on(self, model: FittedModel) -> FittedModel:
+        """Return a model whose fit goes on until a step gains little, its Jacobian about where it ends: others begin there."""
+        if not model.fit.residual.size:
+            return model
+        length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
+        known = Derivatives(model.fit.columns, differenced_at=model.fit.differenced_at)
+        done = fit(
+            self._residual_of(model.candidates), model.fit.parameters, model.fit.values, self.threads, max_iterations=MOST_STEPS,
+            correlation_length=length, derivatives=known, is_spent=self.is_spent,
+        )  # fmt: skip
+        better = FittedModel(model.candidates, with_common_parts_split(done))
+        self._fitted[key_of(model.candidates)] = better
+        return better
+
     def refitted_without(self, model: FittedModel, gone: Collection[FreeParameter]) -> Fit:
         """Return the fit of a model in which some nuisance parameters stay at their nominal values, started from it.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Sequence
 from dataclasses import replace
 
-from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
+from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.budgets import FINALISTS, FORMS_OF_ONE
@@ -74,16 +74,22 @@ class Proposals:
         begun = best_shapes(self.fits.model, now, asked, self.fits.threads, self.fits.is_spent)
         return [model for drop, model in begun if self.promise_enough(drop, now)]
 
-    def reshaped(self, candidate: Candidate, now: FittedModel) -> FittedModel | None:
+    def shapes_of(self, candidate: Candidate) -> list[Candidate]:
+        """Return the forms of a candidate that have several shapes; none where its answer is in proportion to its size."""
+        return [c for c in (*self.candidates, *self._further) if c.shapes and (c.at, c.fixed) == (candidate.at, candidate.fixed)]
+
+    def reshaped(self, candidate: Candidate, now: FittedModel, without: FittedModel) -> FittedModel | None:
         """Return where a fit begins with an effect of a model at its best shape; None where none of them promises to leave less.
 
         An effect that came with others was begun where its usual sizes are: a hose of a tenth of its volume is as good as none, and no
         step leads from there to what it is.
+
+        Args:
+            candidate: The effect.
+            now: The model.
+            without: The model without it.
         """
-        forms = [c for c in (*self.candidates, *self._further) if c.shapes and (c.at, c.fixed) == (candidate.at, candidate.fixed)]
-        if not forms:
-            return None
-        without = self.fits.fit(drop_orphans(now.without(candidate)), now)
+        forms = self.shapes_of(candidate)
         begun = best_shapes(self.fits.model, without, forms, self.fits.threads, self.fits.is_spent)
         drop, model = max(begun, key=lambda one: one[0], default=(0.0, now))
         return model if without.fit.sse - drop < now.fit.sse else None

@@ -93,6 +93,7 @@ class Identification:
         forms: Which parameters are free together; one form with all of them where empty.
         further: Forms that are asked only of an effect that was found, where something is left beside it: for each, values to begin with of
             the parameters that come on top of the form that stands.
+        switched: As `further`, forms that are asked from the beginning of a valve whose commands do nothing but switch it over.
         starts: Values to begin with where the range is wide or the answer not in proportion; else a low and a high typical one.
         starts_by_valve: Initial values by parameter, as many of each, an `area` in units of the valve's.
         starts_by_reach: As `starts`, areas in units of the valve's, lengths in units of half the stroke and counted from where the
@@ -145,6 +146,7 @@ class Identification:
 
     forms: tuple[tuple[str, ...], ...] = ()
     further: Mapping[tuple[str, ...], Mapping[str, tuple[float, ...]]] = field(default_factory=dict)
+    switched: Mapping[tuple[str, ...], Mapping[str, tuple[float, ...]]] = field(default_factory=dict)
     starts: Starts = ()
     starts_by_valve: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
     starts_by_reach: Starts = ()
@@ -187,7 +189,9 @@ class Identification:
         """Names of parameters that this speaks of, by the field in which it does."""
         lists = {"forms": {name for form in self.forms for name in form}}
         lists["shapes"] = {name for form in self.shapes for name in form}
-        lists["further"] = {name for form, starts in self.further.items() for name in (*form, *starts)}
+        lists |= {
+            key: {name for form, starts in getattr(self, key).items() for name in (*form, *starts)} for key in ("further", "switched")
+        }
         given: list[dict[str, float]] = [{}, *(dict.fromkeys(form, 1.0) for form in self.forms)]
         lists["left_open"] = {name for question in self.left_open for known in given for name in question(known)}
         lists |= {key: set(getattr(self, key)) for key in ("within_speeds", "within_travels", "saturates")}

@@ -222,7 +222,11 @@ def step(world, cylinders, joints, vector, history, x0, x1, q0, q1, command, dt,
             newest = int(history[i, size] + 1.0) % size
             history[i, size] = newest
             history[i, newest] = held
-            held = delayed(history[i, :size], newest, cylinders[i % n].valve_lag.delay, dt)
+            lag = cylinders[i % n].valve_lag
+            held = delayed(history[i, :size], newest, lag.delay, dt)
+            if lag.closing_delay != 0.0:
+                let_go = delayed(history[i, :size], newest, lag.delay + lag.closing_delay, dt)
+                held = valve_lag.arrived(held, let_go, lag.closing_delay)
         late[i] = held
     if not advance(world, cylinders, vector, x0, x1, late, dt, work, scratch, True):
         return TOO_FAST

@@ -49,7 +49,7 @@ class Pneumatics:
         self.cylinders["step"] = self.joints["step"] = dt
         n = len(cylinders)
         self.vector = np.zeros(state.size(n, len(self.joints)))
-        delays = cylinders["valve_lag"]["delay"]
+        delays = cylinders["valve_lag"]["delay"] + np.maximum(cylinders["valve_lag"]["closing_delay"], 0.0)
         ring = math.ceil(float(delays.max()) / dt) + 2 if n and delays.max() > 0.0 else 1
         self.commands = 4 * n if world["tank_volume"][0] > 0.0 else 2 * n if n and cylinders["independent"].any() else n
         self.history = np.zeros((self.commands, ring + 1))

@@ -31,6 +31,7 @@ ABOUT = {
     "subsystems/gas/model.py": {"critical_ratio"},
     "subsystems/gas/unknown_curve.py": {"unknown"},
     # where the pressure sensor sits, and when a command arrives
+    "subsystems/gas/arrived_commands.py": {"valve_lag"},
     "subsystems/gas/prediction.py": {"line_restriction", "valve_hysteresis", "valve_lag"},
     "subsystems/gas/hose_step.py": {"line_restriction", "valve_lag"},
     # the leak that every cylinder has

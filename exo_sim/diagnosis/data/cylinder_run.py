@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.computed_columns import was_computed
-from exo_sim.diagnosis.policy.recordings import FEWEST_OF_CHANNEL, STILL_COMMAND, STILL_LENGTH
+from exo_sim.diagnosis.policy.recordings import FEWEST_OF_CHANNEL, STILL_COMMAND, STILL_LENGTH, SWITCHED_OVER
 from exo_sim.diagnosis.policy.regimes import SMALL_COMMAND
 from exo_sim.machine.linkage import Linkage, moment_row
 from exo_sim.recording.filters import forward_filled, smoothed
@@ -91,6 +91,13 @@ class CylinderRun:
         """Whether one command holds the valve open all the time: nothing then says how it opens, or what else gas passes with it."""
         held = [self.towards(side) for side in (0, 1)]
         return self.commanded and all(float(np.ptp(u)) < STILL_COMMAND and abs(float(u[0])) > SMALL_COMMAND for u in held)
+
+    @property
+    def is_switched(self) -> bool:
+        """Whether the commands do nothing but switch the valve over: none of them ever changes by little."""
+        changes = np.concatenate([np.abs(np.diff(self.towards(side))) for side in (0, 1)])
+        changes = changes[changes > 0.0]
+        return bool(self.commanded and changes.size > 0 and changes.min() > SWITCHED_OVER)
 
     @property
     def moves(self) -> bool:

@@ -139,6 +139,11 @@ SWITCHED = Number(
     "there; over smaller changes the mean is",
     "asserted: two to four times the dead-bands of learn makes A and C (0.028, 0.049); it was not varied",
 )  # fmt: skip
+SWITCHED_OVER = Number(
+    0.5, "valve command",
+    "a valve whose command never changes by less is switched over, nothing else: whether it closes later than it opens is asked at once",
+    "derived: half way from closed to open",
+)
 OFTEN_SWITCHED = Number(
     0.01, "share of samples",
     "a valve that is switched over at more of them keeps its run on the clock that it was recorded on: pulses are what it passes",

@@ -21,7 +21,7 @@ EFFECT = Effect(
     convention="full travel from closed to open is 1.",
     valid="the limit is the same both ways and at every supply pressure.",
     signature="opening grows as a ramp after a large step; small signals are untouched",
-    identification=Identification(jerky=True, starts=((60.0,), (20.0,), (8.0,), (4.0,), (2.0,))),
+    identification=Identification(jerky=True, starts=((600.0,), (200.0,), (60.0,), (20.0,), (8.0,), (4.0,), (2.0,))),
 )
 
 

@@ -15,12 +15,20 @@ _CRITICAL = 1e-8
 def _check(place: str, parameters: Mapping[str, float], curves: Mapping[str, tuple[float, ...]]) -> str:
     """Return what is wrong with the values together, "" where nothing is: without a time constant there is none to be shaped."""
     lacking = [name for name in ("closing_excess", "inertia") if parameters.get(name) and parameters.get("time_constant", 0.0) <= 0.0]
-    return f"{lacking[0]} shapes time_constant; give that as well, or leave {lacking[0]} out" if lacking else ""
+    if lacking:
+        return f"{lacking[0]} shapes time_constant; give that as well, or leave {lacking[0]} out"
+    delay, closing = parameters.get("delay", 0.0), parameters.get("closing_delay", 0.0)
+    return f"closing_delay = {closing:g} s closes before the command; it is no less than {-delay:g} s, -delay" if closing < -delay else ""
 
 
 def _closing_of_another_length(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
     """Return the question whether a known lag closes in another time than it opens."""
     return {"closing_excess": (0.6, -0.3)} if "time_constant" in known and "closing_excess" not in known else {}
+
+
+def _closing_later(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
+    """Return the question whether a valve with a known dead time is let go later or earlier than it is moved."""
+    return {"closing_delay": (2e-3, -1e-3)} if "delay" in known and "closing_delay" not in known else {}
 
 
 def _of_second_order(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
@@ -43,6 +51,11 @@ EFFECT = Effect(
         ),
         Parameter("delay", "s", 0.0, 0.1, (5e-4, 2e-2), "electronics and coil", required=False),
         Parameter(
+            "closing_delay", "s", -0.1, 0.1, (-5e-3, 1.5e-2),
+            "dead time when a valve closes, less that when it opens: 1-10 ms of switched solenoids whose data sheets give both (estimate)",
+            required=False,
+        ),
+        Parameter(
             "closing_excess", "1", -0.9, 9.0, (-0.3, 1.2),
             "time to close over time to open, less one: a solenoid works against its spring and the pressure one way only "
             "(doi 10.1177/0020294019866853); 0.4-1.2 of valves whose data sheets give both (estimate)", required=False,
@@ -53,7 +66,7 @@ EFFECT = Effect(
             "(estimate)", required=False,
         ),
     ),
-    any_of=(("time_constant",), ("delay",)),
+    any_of=(("time_constant",), ("delay",), ("closing_delay",)),
     check=_check,
     cut="gas",
     needs_valve=True,
@@ -64,13 +77,14 @@ EFFECT = Effect(
     convention=(
         "the command first waits for the delay, then the spool follows it in first order; a rate limit comes "
         "after that. On its way back to the centre the spool follows with (1 + closing_excess) time_constant, away from it, and on from "
-        "the centre where it passes it, with time_constant. The delay is the same both ways. With an inertia the spool is of second order, "
+        "the centre where it passes it, with time_constant. A command that goes back to the centre waits for closing_delay as well, "
+        "and so does one straight from plus to minus, as of a valve with two positions. With an inertia the spool is of second order, "
         "inertia T^2 x'' + T x' + x = u with T = time_constant: its damping ratio is 1/(2 sqrt(inertia)), its natural frequency "
         "1/(2 pi T sqrt(inertia)); full opening is where it stops."
     ),
     valid=(
-        "steps of every size take as long, without a closing_excess up and down; without an inertia no overshoot: a spool on a spring has "
-        "one above its own frequency."
+        "steps of every size take as long, and as long up as down without a closing_excess and a closing_delay; without an inertia no "
+        "overshoot: a spool on a spring has one above its own frequency."
     ),
     signature="onset of dP/dt rounded and late, in proportion to nothing but time",
     identification=Identification(
@@ -80,15 +94,42 @@ EFFECT = Effect(
         further={
             ("time_constant", "closing_excess"): {"closing_excess": (0.6, -0.3)},
             ("time_constant", "delay", "closing_excess"): {"time_constant": (5e-3, 5e-3), "closing_excess": (0.6, -0.3)},
+            ("delay", "closing_delay"): {"closing_delay": (2e-3, -1e-3)},
+            ("time_constant", "delay", "closing_delay"): {"time_constant": (1e-3, 1e-3), "closing_delay": (2e-3, -1e-3)},
             ("time_constant", "inertia"): {"inertia": (0.5,)},
             ("time_constant", "delay", "inertia"): {"time_constant": (5e-3,), "inertia": (0.5,)},
         },
+        switched={("delay", "closing_delay"): {"delay": (4e-3, 4e-3, 1e-2), "closing_delay": (3e-3, -2e-3, 5e-3)}},
         healthy={"time_constant": (1e-3, 3e-3), "delay": (1e-3, 3e-3)},
         least={"time_constant": 3e-3},
         adds_up=True,
-        left_open=(_closing_of_another_length, _of_second_order),
+        left_open=(_closing_of_another_length, _closing_later, _of_second_order),
     ),
 )
+
+
+@kernel
+def arrived(prompt: float, let_go: float, closing_delay: float) -> float:
+    """Return the command that has arrived, of that after the delay and that after delay and closing delay: the wider while it closes later.
+
+    Straight from one side to the other, as of a valve with two positions, from plus to minus counts as closing.
+
+    Args:
+        prompt, let_go: Commands after the delay, and after both.
+        closing_delay: [s].
+    """
+    if prompt * let_go < 0.0:
+        return max(prompt, let_go) if closing_delay > 0.0 else min(prompt, let_go)
+    wider = abs(let_go) > abs(prompt)
+    return let_go if wider == (closing_delay > 0.0) else prompt
+
+
+@kernel
+def all_arrived(prompt, let_go, closing_delay: float, out) -> None:
+    """Write the commands that have arrived (`arrived`), of arrays of one shape, (n, m)."""
+    for i in range(prompt.shape[0]):
+        for j in range(prompt.shape[1]):
+            out[i, j] = arrived(prompt[i, j], let_go[i, j], closing_delay)
 
 
 @kernel

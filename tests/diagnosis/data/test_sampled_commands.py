@@ -11,7 +11,7 @@ from diagnosis.cylinder_runs import run_of
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.data.sampled_commands import early_commands, may_be_sampled, remark
-from exo_sim.diagnosis.subsystems.gas.inputs import late_commands
+from exo_sim.diagnosis.subsystems.gas.arrived_commands import late_commands
 from exo_sim.rig import Rig
 from exo_sim.simulation.replay.inputs import held, steps
 

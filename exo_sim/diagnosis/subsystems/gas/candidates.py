@@ -30,6 +30,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
     valve = float(plant.cylinder["valve_area"][0]) > 0.0
     commanded = valve and any(run.commanded for run in runs)
     steered = commanded and not all(run.stays_open for run in runs)
+    switched = steered and all(run.is_switched for run in runs if run.commanded)
     moves = any(run.moves for run in runs)
     measured, contained = measured_places(runs), plant.contained_effects
     single = float(plant.cylinder["single_acting"][0]) > 0.0
@@ -55,8 +56,11 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             if effect.identification.starts_by_reach:
                 made = [replace(one, starts=_starts_within_reach(effect, form, plant, runs)) for one in made]
             found += [_beyond_a_sample(one, period) for one in made]
+        for form, values in effect.identification.switched.items() if switched else ():
+            made = _of_other_form(effect, cylinder, form, values, plant)
+            found += [_beyond_a_sample(replace(one, further=frozenset()), period) for one in made]
         for form, values in effect.identification.further.items():
-            found += [_beyond_a_sample(one, period) for one in _of_further_form(effect, cylinder, form, values, plant)]
+            found += [_beyond_a_sample(one, period) for one in _of_other_form(effect, cylinder, form, values, plant)]
     found += _sensor_faults(runs, cylinder, joint, moves)
     return tuple(found)
 
@@ -83,10 +87,12 @@ def _as_law(effect: Effect, cylinder: str, values: Mapping[str, tuple[float, ...
     return replace(one, form="+".join(values), is_law=True, starts=tuple(zip(*values.values(), strict=True)), fixed=())
 
 
-def _of_further_form(
+def _of_other_form(
     effect: Effect, cylinder: str, form: tuple[str, ...], values: Mapping[str, tuple[float, ...]], plant: PlantParameters
 ) -> list[Candidate]:
-    """Return the candidates of a form that is asked only where a poorer one stands: what both have begins where that ended."""
+    """Return the candidates of a form with values to begin with, asked only where a poorer one stands: what both have begins where that
+    ended.
+    """
     begun = {name: values.get(name, (_typical(effect.parameter(name), 0.5),)) for name in form}
     most = max(map(len, begun.values()))
     starts = tuple(tuple(begun[name][min(k, len(begun[name]) - 1)] for name in form) for k in range(most))

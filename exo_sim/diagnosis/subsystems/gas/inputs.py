@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
-from exo_sim.diagnosis.policy.recordings import LEAD_IN, NO_PART, SWITCHED, WORTH_A_LEAD_IN
+from exo_sim.diagnosis.policy.recordings import LEAD_IN, WORTH_A_LEAD_IN
+from exo_sim.diagnosis.subsystems.gas.arrived_commands import ArrivedCommands, late_commands
 from exo_sim.recording.filters import start_weights
 from exo_sim.recording.windows import local_range, window_starts
 
@@ -47,19 +48,6 @@ class Windows:
 
 
 @dataclass(frozen=True)
-class ArrivedCommands:
-    """Commands as they reach the valve over the step after each sample.
-
-    Attributes:
-        command: Towards both chambers, mean over the first part of the step and over the rest, shape (n, 4): 1, 2, 1, 2.
-        first: Length of the first part [s], shape (n,); 0 where the step is one part, over which the first mean holds.
-    """
-
-    command: Array
-    first: Array
-
-
-@dataclass(frozen=True)
 class GasInputs:
     """Inputs of one run, shape (n,) each; supply and exhaust are the rig's constants where they were not recorded.
 
@@ -76,7 +64,7 @@ class GasInputs:
     windows: Windows
     command_2: Array
     hose_step: float = 0.0
-    _delayed: OrderedDict[float, ArrivedCommands] = field(default_factory=OrderedDict)
+    _delayed: OrderedDict[tuple[float, float], ArrivedCommands] = field(default_factory=OrderedDict)
     _lock: Lock = field(default_factory=Lock)
 
     @cached_property
@@ -84,20 +72,21 @@ class GasInputs:
         """Usual time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
 
-    def command_after(self, delay: float) -> ArrivedCommands:
-        """Return the commands towards both chambers as they reach the valve `delay` seconds late.
+    def command_after(self, delay: float, closing: float = 0.0) -> ArrivedCommands:
+        """Return the commands towards both chambers as they reach the valve `delay` seconds late, and `closing` later still to close it.
 
         Of commands that are samples of a quicker loop those between two are about their mean: as if each were held from half a sample
         before it on.
         """
         delay -= 0.5 * self.period if self.run.sampled else 0.0
+        key = delay, closing
         with self._lock:
-            if delay in self._delayed:
-                self._delayed.move_to_end(delay)
-                return self._delayed[delay]
-        found = late_commands(self.time, np.stack([self.command, self.command_2], axis=1), delay)
+            if key in self._delayed:
+                self._delayed.move_to_end(key)
+                return self._delayed[key]
+        found = late_commands(self.time, np.stack([self.command, self.command_2], axis=1), delay, closing)
         with self._lock:
-            self._delayed[delay] = found
+            self._delayed[key] = found
             while len(self._delayed) > max(1, MOST_KEPT // len(self.time)):
                 self._delayed.popitem(last=False)
         return found
@@ -187,48 +176,3 @@ def _start(values: Array, points: int) -> float:
     if points < 5 or not good[:points].all():
         return float(values[int(np.argmax(good))])
     return float(start_weights(points) @ values[:points])
-
-
-def late_commands(time: Array, commands: Array, delay: float) -> ArrivedCommands:
-    """Return held commands, shape (n, 2), that arrive `delay` seconds late.
-
-    A valve that is switched over in the middle of a step passes neither what it does at the mean command nor, behind a dead-band,
-    anything like it: the step has two parts, divided where the largest change arrives.
-    """
-    n = len(time)
-    if delay == 0.0:
-        return ArrivedCommands(np.hstack([commands, commands]), np.zeros(n))
-    mirrored = np.array_equal(commands[:, 1], -commands[:, 0])  # one spool serves both chambers: so are the means
-    sides = [np.ascontiguousarray(side) for side in (commands.T[:1] if mirrored else commands.T)]
-    edges = np.append(time, 2 * time[-1] - time[-2]) - delay
-    steps = np.diff(time)
-    total = [np.concatenate(([0.0], np.cumsum(side[:-1] * steps))) for side in sides]
-
-    def passed(at: Array) -> list[Array]:
-        before, behind = np.minimum(at - time[0], 0.0), np.maximum(at - time[-1], 0.0)
-        return [np.interp(at, time, sums) + before * side[0] + behind * side[-1] for sums, side in zip(total, sides, strict=True)]
-
-    at_edges = passed(edges)
-    first = np.zeros(n)
-    changes = [np.abs(np.diff(side)) for side in sides]
-    change = changes[0] if mirrored else np.maximum(*changes)
-    switched = np.flatnonzero(change > SWITCHED)
-    switched = switched[np.argsort(change[switched], kind="stable")] + 1  # of several in one step the largest is written last
-    step = np.searchsorted(edges, time[switched], side="right") - 1
-    within = (step >= 0) & (step < n)
-    step, switched = step[within], switched[within]
-    first[step] = time[switched] - edges[step]
-    whole = np.diff(edges)
-    first[(first < NO_PART * whole) | (first > (1.0 - NO_PART) * whole)] = 0.0
-    parts = np.flatnonzero(first)
-    between = passed(edges[parts] + first[parts])
-    arrived = np.empty((n, 4))
-    for column, (edge, middle) in enumerate(zip(at_edges, between, strict=True)):
-        early = np.diff(edge) / whole
-        late = early.copy()
-        early[parts] = (middle - edge[parts]) / first[parts]
-        late[parts] = (edge[parts + 1] - middle) / (whole - first)[parts]
-        arrived[:, column], arrived[:, column + 2] = early, late
-    if mirrored:
-        arrived[:, 1::2] = -arrived[:, 0::2]
-    return ArrivedCommands(arrived, first)

@@ -258,7 +258,8 @@ def run_gas(
         gas.settle_transmission(length[:1])
     rest = n if whole else 0
     out, inside, drawn, temperature = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
-    arrived = feed.command_after(float(cylinder[valve_lag.EFFECT.name]["delay"][0]) + card_delay)
+    lag = cylinder[valve_lag.EFFECT.name][0]
+    arrived = feed.command_after(float(lag["delay"]) + card_delay, float(lag["closing_delay"]))
     gap = max(GAP, windows.JUMP * usual)
     width = float(cylinder[valve_hysteresis.EFFECT.name]["width"][0])
 

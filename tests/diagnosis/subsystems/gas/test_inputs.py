@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from exo_sim.diagnosis.data.cylinder_run import CylinderRun
 from exo_sim.diagnosis.policy.recordings import LEAD_IN
-from exo_sim.diagnosis.subsystems.gas.inputs import START_SAMPLES, late_commands, windows
+from exo_sim.diagnosis.subsystems.gas.inputs import START_SAMPLES, windows
 from exo_sim.recording.windows import QUIET_REACH, window_starts
 from exo_sim.simulation.replay import inputs as replay
 
@@ -103,43 +103,6 @@ def test_where_all_is_equally_quiet_windows_are_even() -> None:
     assert window_starts(time, 0, 1000, 0.25, np.zeros(1000)) == [0, 250, 500, 750]
     assert window_starts(time, 200, 1000, 0.4, np.zeros(1000)) == [200, 600]
     assert window_starts(time, 200, 1000, np.inf, np.zeros(1000)) == [200]
-
-
-@given(seed=st.integers(0, 10**6), delay=st.floats(0.0, 0.02))
-@settings(max_examples=40)
-def test_late_commands_keep_their_integral_and_divide_steps_where_the_valve_is_thrown_over(seed: int, delay: float) -> None:
-    rng = np.random.default_rng(seed)
-    time: NDArray[np.float64] = np.cumsum(0.005 + 5e-4 * rng.uniform(-1.0, 1.0, 300)).astype(np.float64)
-    one: NDArray[np.float64] = np.repeat(rng.choice([-1.0, -0.3, 0.0, 1.0], 30), 10).astype(np.float64)
-    late = late_commands(time, np.stack([one, -one], axis=1), delay)
-    step = np.append(np.diff(time), time[-1] - time[-2])
-    passed = late.command[:, :2] * late.first[:, None] + late.command[:, 2:] * (step - late.first)[:, None]
-    # what has arrived until a sample is what was given until `delay` before it
-    fine = np.arange(time[0] - 0.03, time[-1], 1e-5)
-    held = one[np.clip(np.searchsorted(time, fine - delay, side="right") - 1, 0, None)]
-    arrived = np.interp(time, fine, np.cumsum(held) * 1e-5)
-    np.testing.assert_allclose(np.cumsum(passed[:-1, 0]), arrived[1:] - arrived[0], atol=6e-4)
-    np.testing.assert_array_equal(late.command[:, 1], -late.command[:, 0])
-    assert set(np.round(np.unique(late.command[late.first > 0.0]), 9)) <= {-1.0, -0.3, 0.0, 0.3, 1.0}
-
-
-def test_mirrored_commands_arrive_as_each_would_alone() -> None:
-    rng = np.random.default_rng(3)
-    time: NDArray[np.float64] = np.cumsum(rng.uniform(0.9e-3, 1.1e-3, 500))
-    one: NDArray[np.float64] = np.repeat(rng.choice([-1.0, 0.1, 1.0], 50), 10)
-    other = -one
-    other[-1] *= 1.0 + 1e-15  # no longer mirrored
-    mirrored, apart = (late_commands(time, np.stack([one, second], axis=1), 3.3e-3) for second in (-one, other))
-    np.testing.assert_array_equal(mirrored.command[:-5], apart.command[:-5])
-    np.testing.assert_array_equal(mirrored.first, apart.first)
-
-
-def test_a_command_that_hardly_changes_is_not_divided() -> None:
-    time: NDArray[np.float64] = np.arange(50, dtype=np.float64) * 1e-3
-    smooth: NDArray[np.float64] = 0.05 * np.arange(50, dtype=np.float64)
-    late = late_commands(time, np.stack([smooth, -smooth], axis=1), 0.3e-3)
-    assert not late.first.any()
-    np.testing.assert_allclose(late.command[1:, 0], smooth[1:] - 0.05 * 0.3, rtol=1e-12)
 
 
 def test_a_stretch_of_a_working_valve_is_led_in_until_commands_from_before_are_forgotten() -> None:

@@ -143,8 +143,9 @@ class GasModel(SubsystemModel):
     def predict(self, plant: PlantParameters, index: int, shift: float = 0.0, whole: bool = True) -> GasPrediction:
         """Predict what the sensors of one run would show; arguments as of `sensed`."""
         given = (self._stepped if behind_hose(plant.cylinder) else self.inputs)[index]
-        self.effort.add(effort_of(len(given.time), given.period, plant.cylinder))
-        return sensed(given, plant, shift, whole)
+        found = sensed(given, plant, shift, whole)
+        self.effort.add(effort_of(found.samples, given.period, plant.cylinder))
+        return found
 
     def errors(self, plant: PlantParameters) -> list[Array]:
         """Return measured less predicted pressure of every run, shape (n, 2) [Pa]; NaN where nothing was measured."""

@@ -177,6 +177,7 @@ class GasPrediction:
         temperature: Of the gas, shape (n, 2) [K].
         before_sensors: Where the sensors sit, before their gains, zeros and delays, shape (n, 2) [Pa]; None where `pressure` is
             that, or nothing else was asked for.
+        samples: How many were predicted for it: with those that say where a play begins more than it has.
     """
 
     pressure: Array
@@ -184,6 +185,7 @@ class GasPrediction:
     drawn: Array
     temperature: Array
     before_sensors: Array | None = None
+    samples: int = 0
 
 
 def effort_of(samples: int, period: float, cylinder: NDArray[np.void]) -> int:
@@ -263,7 +265,11 @@ def run_gas(
     gap = max(GAP, windows.JUMP * usual)
     width = float(cylinder[valve_hysteresis.EFFECT.name]["width"][0])
 
+    samples = 0
+
     def predicted(m: int, plays: Sequence[float], others: tuple[Array, Array, Array]) -> Array:
+        nonlocal samples
+        samples += m
         for place, spool, command in ((plays[0], state.SPOOL, feed.command), (plays[1], state.SPOOL_2, feed.command_2)):
             gas.memory[0, spool] = command[0] + 0.5 * width * place
         predict(
@@ -276,4 +282,4 @@ def run_gas(
     together = not bool(cylinder["independent"][0] > 0.0)
     plays = begun_plays(feed, width, together, lambda m, places: predicted(m, places, nothing)) if feed.run.commanded else (0.0, 0.0)
     predicted(n, plays, (inside, drawn, temperature))
-    return GasPrediction(out, inside, drawn, temperature)
+    return GasPrediction(out, inside, drawn, temperature, samples=samples)

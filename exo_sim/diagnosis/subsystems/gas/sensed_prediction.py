@@ -47,7 +47,7 @@ def sensed(given: GasInputs, plant: PlantParameters, shift: float = 0.0, whole: 
             pressure[:, side] += offset[side]
         if late[side] != 0.0:
             pressure[:, side] = np.interp(given.time - late[side], given.time, pressure[:, side])
-    return GasPrediction(pressure, out.inside, out.drawn, out.temperature, before)
+    return GasPrediction(pressure, out.inside, out.drawn, out.temperature, before, out.samples)
 
 
 def _without_gains(given: GasInputs, length_scale: float, scale: Array, offset: Array) -> GasInputs:

@@ -7,7 +7,7 @@ import pytest
 from diagnosis.cylinder_runs import STEP, run_of
 from diagnosis.subsystems.gas.test_prediction import machine
 
-from exo_sim.diagnosis.subsystems.gas.initial_play import LOOKED_FOR, initial_play, samples_of_open_play
+from exo_sim.diagnosis.subsystems.gas.initial_play import LOOKED_FOR, SPANS, initial_play, samples_of_open_play
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.prediction import run_gas
 
@@ -64,5 +64,7 @@ def test_a_recording_that_begins_anywhere_in_the_loop_is_predicted(place: float,
     true = run_gas(recorded((behind(told[0], place), behind(told[1], -place))), world, cylinder).pressure
     plain = run_gas(recorded(told, (true[:, 0], true[:, 1])), world, cylinder).pressure
     cylinder["valve_hysteresis"]["width"] = WIDTH
-    seen = run_gas(recorded(told, (true[:, 0], true[:, 1])), world, cylinder).pressure
-    assert np.abs(seen - true).max() < 0.03 * np.abs(plain - true).max()
+    found = run_gas(recorded(told, (true[:, 0], true[:, 1])), world, cylinder)
+    assert np.abs(found.pressure - true).max() < 0.03 * np.abs(plain - true).max()
+    shown = max(samples_of_open_play(TIME, command, WIDTH) for command in (told[0], told[1] if independent else -told[0]))
+    assert found.samples == N + 3 * len(SPANS) * shown  # all that an effort counts

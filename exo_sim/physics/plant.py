@@ -225,7 +225,7 @@ def step(world, cylinders, joints, vector, history, x0, x1, q0, q1, command, dt,
             lag = cylinders[i % n].valve_lag
             held = delayed(history[i, :size], newest, lag.delay, dt)
             if lag.closing_delay != 0.0:
-                let_go = delayed(history[i, :size], newest, lag.delay + lag.closing_delay, dt)
+                let_go = delayed(history[i, :size], newest, valve_lag.let_go_after(lag), dt)
                 held = valve_lag.arrived(held, let_go, lag.closing_delay)
         late[i] = held
     if not advance(world, cylinders, vector, x0, x1, late, dt, work, scratch, True):

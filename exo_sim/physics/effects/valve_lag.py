@@ -15,10 +15,7 @@ _CRITICAL = 1e-8
 def _check(place: str, parameters: Mapping[str, float], curves: Mapping[str, tuple[float, ...]]) -> str:
     """Return what is wrong with the values together, "" where nothing is: without a time constant there is none to be shaped."""
     lacking = [name for name in ("closing_excess", "inertia") if parameters.get(name) and parameters.get("time_constant", 0.0) <= 0.0]
-    if lacking:
-        return f"{lacking[0]} shapes time_constant; give that as well, or leave {lacking[0]} out"
-    delay, closing = parameters.get("delay", 0.0), parameters.get("closing_delay", 0.0)
-    return f"closing_delay = {closing:g} s closes before the command; it is no less than {-delay:g} s, -delay" if closing < -delay else ""
+    return f"{lacking[0]} shapes time_constant; give that as well, or leave {lacking[0]} out" if lacking else ""
 
 
 def _closing_of_another_length(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
@@ -78,7 +75,8 @@ EFFECT = Effect(
         "the command first waits for the delay, then the spool follows it in first order; a rate limit comes "
         "after that. On its way back to the centre the spool follows with (1 + closing_excess) time_constant, away from it, and on from "
         "the centre where it passes it, with time_constant. A command that goes back to the centre waits for closing_delay as well, "
-        "and so does one straight from plus to minus, as of a valve with two positions. With an inertia the spool is of second order, "
+        "and so does one straight from plus to minus, as of a valve with two positions; none arrives before it is given. "
+        "With an inertia the spool is of second order, "
         "inertia T^2 x'' + T x' + x = u with T = time_constant: its damping ratio is 1/(2 sqrt(inertia)), its natural frequency "
         "1/(2 pi T sqrt(inertia)); full opening is where it stops."
     ),
@@ -106,6 +104,12 @@ EFFECT = Effect(
         left_open=(_closing_of_another_length, _closing_later, _of_second_order),
     ),
 )
+
+
+@kernel
+def let_go_after(p) -> float:
+    """Return after what time a command arrives that closes the valve [s]."""
+    return max(p.delay + p.closing_delay, 0.0)
 
 
 @kernel

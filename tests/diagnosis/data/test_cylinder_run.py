@@ -102,6 +102,19 @@ def test_it_rests_where_neither_valve_nor_piston_moves(command: float, length: f
     assert run.part(10, 11).at_rest
 
 
+@pytest.mark.parametrize(("command", "switched"), [
+    (np.where(np.arange(N) % 10 < 5, 1.0, 0.0), True),
+    (np.where(np.arange(N) % 10 < 5, 0.7, -0.7), True),
+    (np.where(np.arange(N) % 10 < 5, 0.4, 0.0), False),
+    (np.sin(np.arange(N)), False),
+    (np.ones(N), False),
+])  # fmt: skip
+def test_a_valve_that_is_only_switched_over(command: np.ndarray, switched: bool) -> None:
+    pressure = np.linspace(2e5, 3e5, N)
+    assert cylinder_runs.run_of(pressure, command=command, commanded=True).is_switched is switched
+    assert not cylinder_runs.run_of(pressure, command=command, commanded=False).is_switched
+
+
 @pytest.mark.parametrize(
     ("command", "commanded", "stays"), [(0.8, True, True), (0.8, False, False), (0.0, True, False), (-0.3, True, True)]
 )

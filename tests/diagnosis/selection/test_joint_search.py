@@ -135,3 +135,11 @@ def test_what_came_with_others_in_another_optimum_is_begun_anew_at_its_best_shap
     after = search._reshaped(before)
     assert (after is not before) is begun_anew
     assert after.fit.values[RATE] == pytest.approx(rate, abs=0.1)
+
+
+def test_what_keeps_the_others_from_going_on_at_its_shape_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    search, bare = begun(Ringing(8.0, 20.4, quicker=6.0), asked=(OTHER, RINGS))
+    without = search.fits.refined(search.fits.fit((OTHER,), bare))
+    stuck = replace(search.fits.fit((OTHER, RINGS), bare), fit=replace(without.fit, residual=1.1 * without.fit.residual))
+    monkeypatch.setattr(search.proposals, "reshaped", lambda *_: pytest.fail("it is not begun anew"))
+    assert search._reshaped(stuck).candidates == (OTHER,)

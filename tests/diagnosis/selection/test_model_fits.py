@@ -37,6 +37,16 @@ def test_standard_errors_are_about_those_of_least_squares_where_the_noise_is_whi
     np.testing.assert_allclose(errors, white, rtol=0.5)
 
 
+def test_a_fit_that_goes_on_is_no_worse_keeps_what_is_free_and_takes_the_place_of_the_one_before() -> None:
+    model = Waves(slow=3.0, quicker=-2.0)
+    fits = ModelFits(model, ())
+    first = fits.look((BASE, OTHER), fits.fit(()))
+    on = fits.carried_on(first)
+    assert on.fit.sse <= first.fit.sse and on.fit.parameters == first.fit.parameters
+    assert fits.fit((OTHER, BASE)) is on
+    np.testing.assert_allclose([on.fit.values[q] for one in (BASE, OTHER) for q in one.parameters], expected(model), rtol=1e-2)
+
+
 def test_a_set_is_fitted_once_in_whatever_order() -> None:
     fits = ModelFits(Waves(slow=3.0), ())
     bare = fits.fit(())

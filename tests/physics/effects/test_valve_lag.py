@@ -118,3 +118,10 @@ def test_a_shape_without_a_time_constant_is_refused(shape: str) -> None:
     assert check is not None
     assert "time_constant" in check("cylinder", {"delay": 5e-3, shape: 0.5}, {})
     assert check("cylinder", {"time_constant": 5e-3, shape: 0.5}, {}) == check("cylinder", {"delay": 5e-3}, {}) == ""
+
+
+@pytest.mark.parametrize(("delay", "closing", "after"), [(3e-3, -2e-3, 1e-3), (3e-3, 8e-3, 11e-3), (0.0, 2e-3, 2e-3), (1e-3, -2e-3, 0.0)])
+def test_no_valve_closes_before_it_is_told(delay: float, closing: float, after: float) -> None:
+    record = np.zeros(1, CYLINDER)["valve_lag"]
+    record["delay"], record["closing_delay"] = delay, closing
+    assert valve_lag.let_go_after(record[0]) == pytest.approx(after, abs=1e-15)

@@ -261,7 +261,8 @@ def run_gas(
     rest = n if whole else 0
     out, inside, drawn, temperature = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
     lag = cylinder[valve_lag.EFFECT.name][0]
-    arrived = feed.command_after(float(lag["delay"]) + card_delay, float(lag["closing_delay"]))
+    delay = float(lag["delay"])
+    arrived = feed.command_after(delay + card_delay, valve_lag.let_go_after(lag) - delay)
     gap = max(GAP, windows.JUMP * usual)
     width = float(cylinder[valve_hysteresis.EFFECT.name]["width"][0])
 

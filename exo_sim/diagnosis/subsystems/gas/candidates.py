@@ -56,11 +56,13 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             if effect.identification.starts_by_reach:
                 made = [replace(one, starts=_starts_within_reach(effect, form, plant, runs)) for one in made]
             found += [_beyond_a_sample(one, period) for one in made]
-        for form, values in effect.identification.switched.items() if switched else ():
+        at_once = effect.identification.switched if switched else {}
+        for form, values in at_once.items():
             made = _of_other_form(effect, cylinder, form, values, plant)
             found += [_beyond_a_sample(replace(one, further=frozenset()), period) for one in made]
         for form, values in effect.identification.further.items():
-            found += [_beyond_a_sample(one, period) for one in _of_other_form(effect, cylinder, form, values, plant)]
+            if form not in at_once:
+                found += [_beyond_a_sample(one, period) for one in _of_other_form(effect, cylinder, form, values, plant)]
     found += _sensor_faults(runs, cylinder, joint, moves)
     return tuple(found)
 

@@ -172,3 +172,14 @@ def test_what_is_asked_only_of_a_found_effect_begins_where_that_ended() -> None:
     assert not lag.further and closing.further == {"closing_excess"}
     assert closing.parameters[0] == lag.parameters[0]  # else a fit would not begin where the other ended
     assert [start[1] for start in closing.starts] == [0.6, -0.3]
+
+
+@pytest.mark.parametrize(("command", "at_once"), [(np.arange(50) % 10 < 5, True), (np.linspace(-0.2, 0.2, 50), False)])
+def test_whether_a_valve_closes_later_is_asked_at_once_where_commands_only_switch(command: np.ndarray, at_once: bool) -> None:
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    plant.cylinder["valve_area"], plant.cylinder["area_1"], plant.cylinder["stroke"] = 2e-6, 8e-4, 0.2
+    level = np.full(50, 3e5)
+    found = candidates(plant, [cylinder_runs.run_of(level, level, command=command.astype(float), commanded=True)], "piston", "slide")
+    assert len({one.key for one in found}) == len(found)  # a set of findings names each of them once
+    (closing,) = [one for one in found if one.form == "delay+closing_delay"]
+    assert (not closing.further) is at_once

@@ -41,7 +41,8 @@ def _with_factors_split(fit: Fit) -> Fit:
     parts show the fit itself says where it stands.
     """
     preferred = [(whole, parts, _preferred_ratio(whole, parts, fit.values)) for whole, parts in _products(fit.parameters)]
-    if all(ratio == 1.0 for *_, ratio in preferred):
+    preferred = [one for one in preferred if one[2] != 1.0]
+    if not preferred:
         return fit
     values, jacobian = dict(fit.values), fit.jacobian.copy()
     for whole, parts, ratio in preferred:

@@ -25,6 +25,8 @@ NEAR_NOISE = 2.0
 RENEWED_FOR = 0.03
 #: The same where the Jacobian itself is wanted.
 EXACT_FOR = 1e-5
+#: A fit ends where a step lowers its cost by less than this share, unless more is asked of it.
+TOLERANCE = 2e-3
 #: Largest step in the logarithm of a parameter.
 LARGEST_LOG_STEP = 1.2
 #: Residual that replaces one that is not finite, in units of the noise.
@@ -121,7 +123,7 @@ def fit(
     threads: Threads = SERIAL,
     *,
     max_iterations: int = 8,
-    tolerance: float = 2e-3,
+    tolerance: float = TOLERANCE,
     correlation_length: float = 1.0,
     derivatives: Derivatives = Derivatives(),
     is_spent: IsSpent = never,

@@ -113,10 +113,9 @@ class JointSearch:
         """Return the best fit of what is proposed beside a model, several candidates at once; itself where that is not worth it."""
         if self._is_over():
             return now
-        model = self.fits.model
         self._report(f"weighing {len(self.proposals.candidates)} candidates together")
         proposals = joint_proposals(
-            model, now, self.proposals.candidates, self.fits.threads, self.fits.is_spent, self.fits.signature_sizes
+            self.fits.model, now, self.proposals.candidates, self.fits.threads, self.fits.is_spent, self.fits.signature_sizes
         )
         fitted = [self._proposed(now, one) for one in proposals]
         richer = min(fitted, key=lambda one: one.fit.sse, default=now)

@@ -11,7 +11,7 @@ from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.common_part import with_common_parts_split
 from exo_sim.diagnosis.estimation.correlation import correlation_time
-from exo_sim.diagnosis.estimation.least_squares import Derivatives, Fit, Residual, fit
+from exo_sim.diagnosis.estimation.least_squares import TOLERANCE, Derivatives, Fit, Residual, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import error_of_sum, standard_errors
@@ -23,6 +23,9 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresMo
 from exo_sim.diagnosis.selection.score_test import Promised, Sizes, in_proportion
 
 Array = NDArray[np.float64]
+
+#: A fit whose values are reported goes on until a step lowers its cost by less than this share.
+CONVERGED = 1e-6
 
 
 def _cost(one: Fit) -> float:
@@ -285,30 +288,19 @@ class ModelFits:
 
     def refined(self, model: FittedModel) -> FittedModel:
         """Return a model fitted to convergence, with an exact Jacobian: its values are going to be reported."""
-        if not model.fit.residual.size:
-            return model
-        parameters = (*self.nuisances, *(q for candidate in model.candidates for q in candidate.parameters))
-        length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
-        done = fit(
-            self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
-            correlation_length=length, derivatives=Derivatives(model.fit.columns, exact=True, differenced_at=model.fit.differenced_at),
-            is_spent=self.is_spent,
-        )  # fmt: skip
-        better = FittedModel(model.candidates, with_common_parts_split(done))
-        self._fitted[key_of(model.candidates)] = better
-        return better
+        known = Derivatives(model.fit.columns, exact=True, differenced_at=model.fit.differenced_at)
+        return self._gone_on(model, known, CONVERGED)
 
     def carried_on(self, model: FittedModel) -> FittedModel:
         """Return a model whose fit goes on until a step gains little, its Jacobian about where it ends: others begin there."""
+        return self._gone_on(model, Derivatives(model.fit.columns, differenced_at=model.fit.differenced_at))
+
+    def _gone_on(self, model: FittedModel, known: Derivatives, tolerance: float = TOLERANCE) -> FittedModel:
+        """Return a model whose fit goes on from where it is, which is kept in its place."""
         if not model.fit.residual.size:
             return model
-        length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
-        known = Derivatives(model.fit.columns, differenced_at=model.fit.differenced_at)
-        done = fit(
-            self._residual_of(model.candidates), model.fit.parameters, model.fit.values, self.threads, max_iterations=MOST_STEPS,
-            correlation_length=length, derivatives=known, is_spent=self.is_spent,
-        )  # fmt: skip
-        better = FittedModel(model.candidates, with_common_parts_split(done))
+        parameters = (*self.nuisances, *(q for candidate in model.candidates for q in candidate.parameters))
+        better = FittedModel(model.candidates, self._fit_from(model, parameters, known, tolerance))
         self._fitted[key_of(model.candidates)] = better
         return better
 
@@ -320,10 +312,14 @@ class ModelFits:
             gone: What is held.
         """
         parameters = tuple(q for q in model.fit.parameters if q not in gone)
+        return self._fit_from(model, parameters, Derivatives(model.fit.columns, renewed=False), CONVERGED)
+
+    def _fit_from(self, model: FittedModel, parameters: Sequence[FreeParameter], known: Derivatives, tolerance: float) -> Fit:
+        """Return the fit of these parameters of a model, begun where it is."""
         length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
         done = fit(
-            self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=12, tolerance=1e-6,
-            correlation_length=length, derivatives=Derivatives(model.fit.columns, renewed=False), is_spent=self.is_spent,
+            self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=MOST_STEPS,
+            tolerance=tolerance, correlation_length=length, derivatives=known, is_spent=self.is_spent,
         )  # fmt: skip
         return with_common_parts_split(done)
 

@@ -58,11 +58,11 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             found += [_beyond_a_sample(one, period) for one in made]
         at_once = effect.identification.switched if switched else {}
         for form, values in at_once.items():
-            made = _of_other_form(effect, cylinder, form, values, plant)
-            found += [_beyond_a_sample(replace(one, further=frozenset()), period) for one in made]
+            found += [_beyond_a_sample(one, period) for one in _begun_at(effect, cylinder, form, values, plant)]
         for form, values in effect.identification.further.items():
             if form not in at_once:
-                found += [_beyond_a_sample(one, period) for one in _of_other_form(effect, cylinder, form, values, plant)]
+                made = [replace(one, further=frozenset(values)) for one in _begun_at(effect, cylinder, form, values, plant)]
+                found += [_beyond_a_sample(one, period) for one in made]
     found += _sensor_faults(runs, cylinder, joint, moves)
     return tuple(found)
 
@@ -89,19 +89,14 @@ def _as_law(effect: Effect, cylinder: str, values: Mapping[str, tuple[float, ...
     return replace(one, form="+".join(values), is_law=True, starts=tuple(zip(*values.values(), strict=True)), fixed=())
 
 
-def _of_other_form(
+def _begun_at(
     effect: Effect, cylinder: str, form: tuple[str, ...], values: Mapping[str, tuple[float, ...]], plant: PlantParameters
 ) -> list[Candidate]:
-    """Return the candidates of a form with values to begin with, asked only where a poorer one stands: what both have begins where that
-    ended.
-    """
+    """Return the candidates of a form that begin at these values; what has none, for a poorer form ended there, at a typical one."""
     begun = {name: values.get(name, (_typical(effect.parameter(name), 0.5),)) for name in form}
     most = max(map(len, begun.values()))
     starts = tuple(tuple(begun[name][min(k, len(begun[name]) - 1)] for name in form) for k in range(most))
-    return [
-        replace(one, starts=starts, further=frozenset(values))
-        for one in _of_form(effect, cylinder, form, plant)
-    ]
+    return [replace(one, starts=starts) for one in _of_form(effect, cylinder, form, plant)]
 
 
 def sample_period(runs: Sequence[CylinderRun]) -> float:

@@ -169,6 +169,10 @@ class Proposals:
                 found.append(replace(form, starts=tuple(starts)))
         return found
 
+    def forms_of(self, candidate: Candidate) -> list[Candidate]:
+        """Return the other forms of a candidate's effect, also those in which its law goes on."""
+        return [one for one in (*self.candidates, *self._further) if one.at == candidate.at and one.key != candidate.key]
+
     def fullest(self, candidate: Candidate) -> Candidate:
         """Return the form of a candidate's effect with the most parameters."""
         return max((c for c in self.candidates if c.at == candidate.at), key=lambda form: len(form.parameters), default=candidate)

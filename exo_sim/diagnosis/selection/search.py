@@ -261,7 +261,7 @@ class _Growth:
     def _assessed(self, model: FittedModel) -> SearchResult:
         """Return the result of ending with what a model keeps when it is pruned."""
         settled = self.simplification.settled(self.fits.refined(self.simplification.pruned(model)))
-        return assess(settled, self.fits, self.comparisons, self.proposals, self._is_over())
+        return assess(self.simplification.off_bounds(settled), self.fits, self.comparisons, self.proposals, self._is_over())
 
     def _gives_up(self, before: FittedModel, now: FittedModel) -> bool:
         """Return whether a further effect helped little against an error that no effect explains: another machine's recording."""

@@ -7,7 +7,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.policy import acceptance
 from exo_sim.diagnosis.selection.comparisons import Comparisons
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_more_than_healthy
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_at_bound, is_more_than_healthy
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
 
@@ -81,6 +81,25 @@ class Simplification:
             if simpler is None:
                 break
             now = self.fits.refined(self.pruned(simpler))
+        return now
+
+    def off_bounds(self, now: FittedModel) -> FittedModel:
+        """Return a model whose findings that ended at a bound have another form of theirs that does not, where one is accepted.
+
+        A number at the end of its range is no finding, yet the law may go on in a form with one number more: what no ellipse follows an
+        exponent does.
+        """
+        for candidate in [one for one in now.candidates if is_at_bound(one, now)]:
+            if self.fits.is_spent():
+                break
+            without = self.fits.fit(drop_orphans(now.without(candidate)), now)
+            forms = self.proposals.forms_of(candidate)
+            sets = [tuple(form if one is candidate else one for one in now.candidates) for form in forms]
+            models = zip(forms, self.fits.fit_rivals([(chosen, now) for chosen in sets], now), strict=True)
+            inside = [model for form, model in models if not is_at_bound(form, model)]
+            shown = [model for model in inside if self.comparisons.accepts(without, model, stands=True)]
+            if shown:
+                now = self.fits.refined(self.comparisons.ranked(shown)[0])
         return now
 
     def _without_vague(self, now: FittedModel, vague: set[FreeParameter]) -> FittedModel | None:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
-from diagnosis.waves import BASE, ON_TOP, OTHER, Waves, candidate
+from diagnosis.waves import BASE, ON_TOP, OTHER, Waves, candidate, parameter
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.selection.comparisons import Comparisons
-from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_at_bound
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.simplification import Simplification
 
@@ -76,3 +78,18 @@ class NotOtherWay(Comparisons):
 
 def test_a_form_with_as_many_parameters_that_explains_more_is_not_asked_whether_it_is_accepted() -> None:
     assert simplest(NotOtherWay, Waves(slow=4.0, quicker=4.0), RICH, OTHER_WAY) == (OTHER_WAY,)
+
+
+CLOSED = replace(candidate("critical_ratio", "slow"), parameters=(replace(parameter("critical_ratio", "slow"), high=2.0),))
+OPEN = candidate("critical_ratio", "slow", "quick")
+
+
+@pytest.mark.parametrize(("forms", "kept"), [((CLOSED, OPEN), OPEN), ((CLOSED,), CLOSED)], ids=["another form", "no other form"])
+def test_a_finding_that_ended_at_a_bound_takes_another_form_of_it_that_does_not(forms: tuple[Candidate, ...], kept: Candidate) -> None:
+    one = Search(Waves(slow=4.0, quick=3.0), (), (*forms, OTHER))
+    simplification = Simplification(one.fits, Comparisons(one.fits, one.fits.fit(()), 3, 0.0), one.proposals)
+    ended = one.fits.fit((CLOSED,))
+    assert is_at_bound(CLOSED, ended)
+    assert simplification.off_bounds(ended).candidates == (kept,)
+    clear = one.fits.fit((OTHER,))
+    assert simplification.off_bounds(clear) is clear

@@ -87,15 +87,22 @@ def _beside_discrepancy(rows: Blocked, without: Fit, with_it: Fit, added: int) -
     return (gain - added * price_of_parameter(rows.size)) / math.log(10.0)
 
 
+def has_own_shape(evidence: Evidence) -> bool:
+    """Return whether an effect has a shape of its own beside what is still missed, and gains all the time, however little."""
+    return evidence.beside_discrepancy > acceptance.BESIDE_DISCREPANCY and evidence.steady > acceptance.STEADY_GAIN
+
+
 def is_accepted(
     evidence: Evidence, baseline: Fit, without: Fit, with_it: Fit, practical_significance: float, stands: bool = False
 ) -> bool:
     """Return whether a candidate passes every gate.
 
-    Once nine tenths are explained, a further effect must reach the noise or take half of what is left: the last tenth of a real machine
-    has no particular shape, and every candidate fits a little of it. What has a shape of its own and returns the rig's numbers to their
-    data sheets need do neither: they lower the error in its place. Where no more than the noise is left, nothing else is a gain: noise
-    that was taken to be larger than it is counts what happened between samples too, and any candidate fits a little of that.
+    What is practically significant counts, and what is beyond doubt: of an error that is above the noise, or of any where it has a shape
+    of its own. Once nine tenths are explained, a further effect must reach the noise or take half of what is left: the last tenth of a
+    real machine has no particular shape, and every candidate fits a little of it. What has a shape of its own and returns the rig's
+    numbers to their data sheets need do neither: they lower the error in its place. Where no more than the noise is left, nothing else is
+    a gain: noise that was taken to be larger than it is counts what happened between samples too, and any candidate fits a little of
+    that.
 
     Args:
         evidence: For it.
@@ -105,19 +112,18 @@ def is_accepted(
         stands: Whether it stands in a model already: then it stays however small its share is, if a shape of its own shows.
     """
     n = max(without.residual.size, 1)
-    gains = evidence.steady > acceptance.STEADY_GAIN
-    if without.penalty - with_it.penalty > acceptance.RELIEF and evidence.beside_discrepancy > acceptance.BESIDE_DISCREPANCY and gains:
+    if without.penalty - with_it.penalty > acceptance.RELIEF and has_own_shape(evidence):
         return evidence.log10_odds > acceptance.LEAST_ODDS
     if without.sse <= n:
         return False
     plain = evidence.log10_odds > acceptance.BEYOND_DOUBT_ODDS and evidence.share > acceptance.BEYOND_DOUBT_SHARE
-    beyond_doubt = plain and without.sse > acceptance.BEYOND_DOUBT_VARIANCE * n
+    beyond_doubt = plain and (without.sse > acceptance.BEYOND_DOUBT_VARIANCE * n or has_own_shape(evidence))
     if math.sqrt(without.sse / n) - math.sqrt(with_it.sse / n) < practical_significance and not beyond_doubt:
         return False
     explained = 1.0 - max(without.sse - n, 0.0) / max(baseline.sse - n, 1e-9)
     much_left = explained < acceptance.MOSTLY_EXPLAINED or with_it.sse < acceptance.CLEAN * n
     wanted = acceptance.LEAST_SHARE if much_left else acceptance.SHARE_OF_THE_REST
-    steady = gains or evidence.share > acceptance.STEADY_SHARE
+    steady = evidence.steady > acceptance.STEADY_GAIN or evidence.share > acceptance.STEADY_SHARE
     if stands and evidence.beside_discrepancy > acceptance.BESIDE_DISCREPANCY and steady:
         return True
     return evidence.log10_odds > acceptance.LEAST_ODDS and evidence.share > wanted and steady
@@ -147,5 +153,5 @@ def could_be_accepted(promised: float, without: Fit, practical_significance: flo
     n = max(without.residual.size, 1)
     missing = max(without.sse - n, 0.0)
     seen = without.sse - n * max(math.sqrt(without.sse / n) - practical_significance, 0.0) ** 2
-    wanted = min(seen, acceptance.BEYOND_DOUBT_SHARE * missing) if without.sse > acceptance.BEYOND_DOUBT_VARIANCE * n else seen
-    return acceptance.UNDERRATED * promised >= max(wanted, acceptance.LEAST_SHARE * missing)
+    beyond_doubt = max(acceptance.BEYOND_DOUBT_SHARE * missing, 2.0 * math.log(10.0) * acceptance.BEYOND_DOUBT_ODDS)
+    return acceptance.UNDERRATED * promised >= max(min(seen, beyond_doubt), acceptance.LEAST_SHARE * missing)

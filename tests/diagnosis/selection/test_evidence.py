@@ -8,7 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from exo_sim.diagnosis.estimation.least_squares import Fit
-from exo_sim.diagnosis.policy.acceptance import BEYOND_DOUBT_ODDS, BEYOND_DOUBT_SHARE, RELIEF, UNDERRATED
+from exo_sim.diagnosis.policy.acceptance import (
+    BEYOND_DOUBT_ODDS,
+    BEYOND_DOUBT_SHARE,
+    BEYOND_DOUBT_VARIANCE,
+    RELIEF,
+    UNDERRATED,
+)
 from exo_sim.diagnosis.selection.evidence import (
     compare,
     could_any_be_accepted,
@@ -106,6 +112,19 @@ def test_what_relieves_numbers_in_one_block_alone_is_not_accepted_for_that() -> 
     burst = np.where(BLOCKS == 7, 1.5 * np.sin(np.arange(BLOCKS.size) / 7.0), 0.0)
     strained, less = fit_of(noise + burst, 30.0), fit_of(noise, 10.0)
     assert not is_accepted(compare(Rows(BLOCKS), strained, less, 1, 30), strained, strained, less, 10.0)
+
+
+@pytest.mark.parametrize("steady", [True, False])
+def test_an_error_hardly_above_the_noise_is_a_finding_where_it_has_a_shape_of_its_own_all_the_time(steady: bool) -> None:
+    rng = np.random.default_rng(3)
+    rows = Rows(np.arange(60 * BLOCKS.size) // (3 * BLOCKS.size))
+    noise, wave = rng.standard_normal(rows.size), np.sin(np.arange(rows.size) / 7.0)
+    size = 0.45 if steady else np.where(rows.blocks == 7, 0.45 * np.sqrt(20.0), 0.0)  # as much in one block
+    start, less = fit_of(noise + size * wave), fit_of(noise)
+    assert start.sse < BEYOND_DOUBT_VARIANCE * rows.size
+    weighing = compare(rows, start, less, 1, 30)
+    assert weighing.log10_odds > BEYOND_DOUBT_ODDS and weighing.share > BEYOND_DOUBT_SHARE
+    assert is_accepted(weighing, start, start, less, 10.0) is steady
 
 
 @given(st.floats(0.3, 100.0), st.floats(0.0, 1.0), st.floats(0.0, 3.0))

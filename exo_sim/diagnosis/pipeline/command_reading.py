@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +15,7 @@ from exo_sim.diagnosis.data.sampled_commands import may_be_sampled
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.correlation import correlation_time
-from exo_sim.diagnosis.estimation.least_squares import fit
+from exo_sim.diagnosis.estimation.least_squares import Derivatives, fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Values
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.policy.acceptance import LEAST_ODDS
@@ -77,7 +78,7 @@ def as_sampled(model: GasModel, split: Split, recordings: Collection[str]) -> Ga
 
 def read_as_sampled(
     model: GasModel, split: Split, start: Values, fixed: Sequence[tuple[FreeParameter, float]], most: float, unexplained: bool = False,
-    threads: Threads = SERIAL, is_spent: IsSpent = never,
+    threads: Threads = SERIAL, is_spent: IsSpent = never, near: Mapping[FreeParameter, Array] = MappingProxyType({}),
 ) -> GasModel:
     """Return the model with commands read as samples in those recordings that are predicted better so; itself where none is.
 
@@ -91,13 +92,17 @@ def read_as_sampled(
             samples as well where they leave less at all and are plainly likelier.
         threads: Threads.
         is_spent: Whether the time is up.
+        near: Columns of the Jacobian about where they begin, by parameter.
     """
     slow = {run.recording for run in model.all_runs if may_be_sampled(run) and not run.sampled}
     if not slow:
         return model
     left = []
     for one in (model, as_sampled(model, split, slow)):
-        found = fit(partial(one.residual, fixed=fixed), tuple(start), start, threads, max_iterations=MOST_STEPS, is_spent=is_spent)
+        found = fit(
+            partial(one.residual, fixed=fixed), tuple(start), start, threads,
+            max_iterations=MOST_STEPS, derivatives=Derivatives(near), is_spent=is_spent,
+        )  # fmt: skip
         errors = one.errors(one.apply(found.values, fixed))
         left.append(_Left(model.as_rows(errors), one.as_rows(errors), 2.0 * np.log(one.scale), one.blocks))
     recordings = model.recordings

@@ -195,8 +195,9 @@ def examine_gas(
             if model.size >= FEWEST_ROWS:
                 loud = held.has_unknown or end.fit.sse > UNKNOWN_VARIANCE * held.model.size
                 other = read_as_sampled(
-                    held.model, plan.split, end.fit.values, end.fixed, HELD_IN_THE_END, loud, threads, plan.budget.is_spent
-                )
+                    held.model, plan.split, end.fit.values, end.fixed, HELD_IN_THE_END, loud, threads, plan.budget.is_spent,
+                    end.fit.columns,
+                )  # fmt: skip
                 if other is not held.model:
                     allowed = searched.allowed(name, other.effort)
                     result = seek(other, begun, allowed=allowed)

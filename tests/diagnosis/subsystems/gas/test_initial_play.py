@@ -7,7 +7,7 @@ import pytest
 from diagnosis.cylinder_runs import STEP, run_of
 from diagnosis.subsystems.gas.test_prediction import machine
 
-from exo_sim.diagnosis.subsystems.gas.initial_play import LOOKED_FOR, SPANS, initial_play, samples_of_open_play
+from exo_sim.diagnosis.subsystems.gas.initial_play import LOOKED_FOR, MOST_PREDICTED, initial_play, samples_of_open_play
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.prediction import run_gas
 
@@ -24,16 +24,32 @@ def test_the_play_is_known_once_the_command_has_passed_through_the_loop() -> Non
     assert samples_of_open_play(long, np.full(1001, 0.1), WIDTH) == pytest.approx(100.0 * LOOKED_FOR, abs=1)
 
 
+SHAPE = np.sin(np.linspace(0.0, 6.0, 50))
+
+
+def missed(one: float, other: float) -> np.ndarray:
+    """Return errors of two chambers, in proportion to how far off each play is."""
+    return np.stack([one * SHAPE, 2.0 * other * SHAPE], axis=1) + 7.0  # a zero that is off
+
+
 @pytest.mark.parametrize("true", [-1.0, -0.7, 0.0, 0.3, 1.0])
 def test_the_least_error_is_found_between_the_places_that_are_tried(true: float) -> None:
-    found = initial_play(lambda one, other: np.array([(one - true) ** 2, 3.0 * (other + true) ** 2]), together=False)
-    assert found == pytest.approx((true, -true))
-    assert initial_play(lambda one, other: np.array([(one - true) ** 2, 1.0]), together=True) == pytest.approx((true, true))
+    assert initial_play(lambda one, other: missed(one - true, other + true), together=False) == pytest.approx((true, -true), abs=1e-6)
+    assert initial_play(lambda one, other: missed(one - true, other - true), together=True) == pytest.approx((true, true), abs=1e-6)
+    unmeasured = np.array([1.0, np.nan])
+    assert initial_play(lambda one, other: missed(one - true, other) * unmeasured, together=True) == pytest.approx((true, true), abs=1e-6)
+
+
+@pytest.mark.parametrize("true", [-0.85, -0.4, 0.15, 0.65])
+def test_errors_that_are_no_parabola_of_the_place_are_followed(true: float) -> None:
+    found = initial_play(lambda one, other: missed(*(np.tanh(2.0 * (place - true)) for place in (one, other))), together=True)
+    assert found == pytest.approx((true, true), abs=0.02)
 
 
 def test_pressures_that_say_nothing_leave_it_in_the_middle() -> None:
-    assert initial_play(lambda one, other: np.array([4.0, 4.0]), together=False) == (0.0, 0.0)
-    closed = initial_play(lambda one, other: np.array([max(one, 0.6), max(other, 0.6)]), together=True)  # a dead band hides the rest
+    assert initial_play(lambda one, other: missed(1.0, 1.0), together=False) == (0.0, 0.0)
+    assert initial_play(lambda one, other: np.full((50, 2), np.nan), together=True) == (0.0, 0.0)
+    closed = initial_play(lambda one, other: missed(max(one, 0.6), max(other, 0.6)), together=True)  # a dead band hides the rest
     assert closed[0] == closed[1] < 0.6
 
 
@@ -67,4 +83,4 @@ def test_a_recording_that_begins_anywhere_in_the_loop_is_predicted(place: float,
     found = run_gas(recorded(told, (true[:, 0], true[:, 1])), world, cylinder)
     assert np.abs(found.pressure - true).max() < 0.03 * np.abs(plain - true).max()
     shown = max(samples_of_open_play(TIME, command, WIDTH) for command in (told[0], told[1] if independent else -told[0]))
-    assert found.samples == N + 3 * len(SPANS) * shown  # all that an effort counts
+    assert N + 3 * shown <= found.samples <= N + MOST_PREDICTED * shown  # all that an effort counts

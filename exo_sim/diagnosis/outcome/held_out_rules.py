@@ -105,8 +105,9 @@ def too_small(
     Whatever their odds: what mends a little of what every model gets wrong has great odds in a long recording. Names of a balance of
     forces are weighed beside that already, and a dip of friction acts in few rows: they are small where noise explains what is left
     without them, in held-out time as a whole and in the rows that they change, and where they change these by no more than the laws of
-    a healthy machine get wrong. Noise is what the sensors' data sheets and a floor say, or, of what is larger than healthy laws are off,
-    what is left in fact: the floor may be three times that.
+    a healthy machine get wrong; or where they change them by next to nothing of that, whatever misses these rows. Noise is what the
+    sensors' data sheets and a floor say, or, of what is larger than healthy laws are off, what is left in fact: the floor may be three
+    times that.
 
     Args:
         one: Of one subsystem.
@@ -126,6 +127,8 @@ def too_small(
         relieves = relief.get(key, 0.0) > RELIEF and finding.log10_odds >= validation.CERTAIN_ODDS
         if left.get(key, math.inf) > one.model.discrepancy_bound or relieves:
             return False
+        if one.search.weighed_together and beyond_healthy.get(key, math.inf) < validation.NEGLIGIBLE:
+            return True
         if key in tested:
             return not (one.search.weighed_together or _is_certain(finding.log10_odds, tested[key]))
         missed, beyond = where_acting.get(key, math.inf) / validation.LEAST_MISSED, beyond_healthy.get(key, 0.0)

@@ -57,6 +57,12 @@ BEYOND_HEALTHY = Number(
     "a finding of forces that changes its rows by more is not small, however little of it noise lets see at a time",
     "derived: nineteen in twenty healthy machines are off by less",
 )  # fmt: skip
+NEGLIGIBLE = Number(
+    0.1, "standard deviations of what laws of a healthy machine get wrong",
+    "a finding of forces that changes its rows by less is small whatever they are missed by: something else misses them",
+    "a healthy whole machine (X1046) had friction of 8e-7 m2 by its pressures named, 0.01; eight true names of X1042, a stranger's W6 and "
+    "S2 have 2.3 to 13",
+)  # fmt: skip
 FEWEST_CHANGED = Count(
     6, "rows", "what a finding changes in fewer is held against that as if it were spread over so many: one row of thousands is off by "
     "more than two standard deviations in any healthy machine",

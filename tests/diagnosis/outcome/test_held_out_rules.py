@@ -14,6 +14,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.findings import Estimate, Finding, Kind
 from exo_sim.diagnosis.outcome.held_out_rules import doubt, is_refuted, too_small
 from exo_sim.diagnosis.policy.acceptance import RELIEF
+from exo_sim.diagnosis.policy.validation import NEGLIGIBLE
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.model_fits import ModelFits
@@ -201,8 +202,8 @@ def test_what_another_finding_needs_is_not_small() -> None:
 
 @pytest.mark.parametrize(
     ("missed", "changed", "is_small"),
-    [(0.7, 0.5, True), (1.6, 0.5, False), (0.7, 4.0, False), (None, None, False)],
-    ids=["as noise does", "by more", "more than any healthy machine", "not tested"],
+    [(0.7, 0.5, True), (1.6, 0.5, False), (1.6, 0.01, True), (0.7, 4.0, False), (None, None, False)],
+    ids=["as noise does", "by more", "by more, for something else", "more than any healthy machine", "not tested"],
 )
 def test_a_name_of_forces_is_small_where_noise_and_healthy_laws_explain_the_rows_that_it_changes(
     missed: float | None, changed: float | None, is_small: bool
@@ -213,5 +214,5 @@ def test_a_name_of_forces_is_small_where_noise_and_healthy_laws_explain_the_rows
     acting = {} if missed is None else {spring.key: missed}, {} if changed is None else {spring.key: changed}
     assert bool(too_small(weighed, {spring.key: 1.1}, *acting, {})) is is_small
     missing = {spring.key: HeldOutGain(50.0, 100.0)}  # as a whole more than noise
-    assert too_small(weighed, {spring.key: 1.1}, *acting, missing) == ()
+    assert bool(too_small(weighed, {spring.key: 1.1}, *acting, missing)) is (changed is not None and changed < NEGLIGIBLE)
     assert too_small(one, {spring.key: 1.1}, *acting, {}) != ()  # of gas all its rows count

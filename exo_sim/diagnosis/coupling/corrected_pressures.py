@@ -19,8 +19,10 @@ from exo_sim.diagnosis.data.coarse_clock import begins_with
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.estimation.correlation import rms
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, POSITION_DELAY
+from exo_sim.diagnosis.policy.healthy import FORCE_BOUND_SHARE
 from exo_sim.diagnosis.policy.recordings import CORRECTED_PRESSURE
 from exo_sim.diagnosis.selection.sensor_zero import is_faulty, zeros_within
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
@@ -38,11 +40,19 @@ Changes = Mapping[tuple[str, str], tuple[Array, Array]]
 
 
 def with_corrected_pressures(data: MachineData, gas: Sequence[SubsystemResult[GasModel]], split: Split) -> MachineData:
-    """Return the data with corrected balances; a joint that then proves to be driven from outside becomes an open question."""
+    """Return the data with corrected balances; a joint that then proves to be driven from outside becomes an open question.
+
+    So does one whose pressures were recorded behind hoses in which something without a name acts, where what the hose changes of them is
+    more than the balance of a healthy machine leaves: nobody knows the pressures in the chambers.
+    """
     joints, open_, driven = {}, list(data.open_questions), set(data.externally_driven)
+    behind = with_corrections(data, [_hidden_by_hose(data, one, split) for one in gas])
     for joint, runs in corrected_balances(data, gas, split).items():
         kept = []
-        for run, before in zip(runs, data.joints[joint], strict=True):
+        for run, before, hidden in zip(runs, data.joints[joint], behind[joint], strict=True):
+            if rms(hidden.drive.force - before.drive.force) > FORCE_BOUND_SHARE * before.effort:
+                open_.append(open_questions.of_pressures_behind_hose(run.joint, run.recording))
+                continue
             unsure = run is not before and run.inertia.has_mass and not run.external_recorded
             why = _external_power(run) if unsure else ""
             if why:
@@ -83,21 +93,33 @@ class Correction:
     soft: Mapping[str, NDArray[np.void]] = field(default_factory=dict)
 
 
+def _hidden_by_hose(data: MachineData, one: SubsystemResult[GasModel], split: Split) -> Correction:
+    """Return what a hose before the sensors of a gas changes of its pressures, where something in that gas has no name."""
+    if one.is_empty or not one.has_unknown or not behind_hose(one.final_plant.cylinder):
+        return Correction()
+    return Correction(_changes(data, one, split, set()))
+
+
 def correction_of(data: MachineData, one: SubsystemResult[GasModel], split: Split) -> Correction:
     """Return what one cylinder's gas asks for; nothing where something in it has no name."""
     if one.is_empty or one.has_unknown:
         return Correction()
-    changes: dict[tuple[str, str], tuple[Array, Array]] = {}
     plant, late = one.final_plant, dict[str, float]()
     soft = {one.where: plant.cylinder} if gives(plant.cylinder[0]) else {}
     faults = {q.parameter for candidate in one.named if candidate.kind is Kind.SENSOR for q in candidate.parameters}
     faults |= {q.parameter for q, error in one.refitted if is_faulty(one, q, error)}
     if not faults and not behind_hose(plant.cylinder):
         return Correction(soft=soft)
-    whole = one.model.over_whole_runs(plant, split)
     if POSITION_DELAY in faults:
         seconds = plant.sensors[POSITION_DELAY]
         late = {data.joint_of(one.where): seconds, f"rod of {one.where}": seconds}
+    return Correction(_changes(data, one, split, faults), late, soft)
+
+
+def _changes(data: MachineData, one: SubsystemResult[GasModel], split: Split, faults: set[str]) -> Changes:
+    """Return what these faults of its sensors and a hose before them change of the pressures of a gas."""
+    changes: dict[tuple[str, str], tuple[Array, Array]] = {}
+    whole = one.model.over_whole_runs(one.final_plant, split)
     for index, given in enumerate(whole.inputs):
         behind = _behind_hose(whole, index)
         for side in range(2):
@@ -107,7 +129,7 @@ def correction_of(data: MachineData, one: SubsystemResult[GasModel], split: Spli
                 if np.nanmax(np.abs(change)) > CORRECTED_PRESSURE:
                     table = data.table(given.run.recording).time
                     changes[given.run.recording, f"{one.where}.pressure_{side + 1}"] = _on_the_clock_of(table, given.time, change)
-    return Correction(changes, late, soft)
+    return changes
 
 
 def with_corrections(data: MachineData, corrections: Sequence[Correction]) -> dict[str, tuple[MotionRun, ...]]:

@@ -34,6 +34,12 @@ def of_balance(joint: str, recording: str, unjudged: Unjudged) -> OpenQuestion:
     return OpenQuestion(f"the balance of forces at {joint} in {recording}", _about("motion"), unjudged.why, unjudged.do, _FORCES)
 
 
+def of_pressures_behind_hose(joint: str, recording: str) -> OpenQuestion:
+    """Return the question that a balance of forces would answer whose pressures were recorded behind hoses that nobody understands."""
+    why = "its pressures were recorded behind hoses in which something without a name acts: nobody knows those in the chambers"
+    return of_balance(joint, recording, Unjudged(why, "record the pressures at the cylinder itself"))
+
+
 def of_remainder(where: str) -> OpenQuestion:
     """Return the question what remains in a balance of forces one of whose pressures was not measured."""
     why = "it does not close, and one of its pressures was not recorded: the chamber may be at fault"

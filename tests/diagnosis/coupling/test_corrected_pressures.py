@@ -11,7 +11,7 @@ import mujoco
 import numpy as np
 import pytest
 
-from exo_sim.diagnosis.coupling.corrected_pressures import _external_power, corrected_balances
+from exo_sim.diagnosis.coupling.corrected_pressures import _external_power, corrected_balances, with_corrected_pressures
 from exo_sim.diagnosis.data.cylinder_run import cylinder_runs
 from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.data.motion_run import MotionRun
@@ -111,6 +111,20 @@ def test_behind_a_hose_a_fault_of_the_sensor_is_taken_off_once(tmp_path: Path, e
     (raw,) = faulty.joints["slide"]
     (mended,) = corrected_balances(faulty, [judged(faulty, effect, value)], PARTS)["slide"]
     assert force_error(mended, exact) < 0.05 * force_error(raw, case_of(rig, truth).joints["slide"][0])
+
+
+@pytest.mark.parametrize(("unknown", "area", "is_open"), [(True, 0.03, True), (False, 0.03, False), (True, 60.0, False)])
+def test_a_balance_is_left_open_whose_pressures_lie_behind_a_hose_that_nobody_understands(
+    tmp_path: Path, unknown: bool, area: float, is_open: bool
+) -> None:
+    """Unless the hose is so wide that it changes nothing."""
+    rig = benches.bench(tmp_path, f'[effects.line_restriction.piston]\narea = "{area} mm^2"\nvolume = "5 cm^3"\nsensor = "valve"\n')
+    case = case_of(rig, benches.led(rig, 1.5))
+    after = with_corrected_pressures(case, [judged(case, "sensor_scale", 1.0, named=(), has_unknown=unknown)], PARTS)
+    left = [one for one in after.open_questions if "behind hoses" in one.why]
+    assert len(left) == (1 if is_open else 0)
+    assert all("slide" in one.question and "at the cylinder" in one.do for one in left)
+    assert not is_open or "slide" not in after.joints
 
 
 @pytest.mark.parametrize(("value", "taken_off"), [(9e3, True), (1e3, False)])

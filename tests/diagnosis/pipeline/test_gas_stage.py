@@ -122,7 +122,7 @@ def test_searches_of_one_gas_share_what_they_may_predict_with_one_that_was_given
         asked.append(allowed.left)
         model.effort.add(most * 9 // 20)
         assert allowed.is_used_up() is (len(asked) > 2)
-        end = SimpleNamespace(fit=SimpleNamespace(sse=0.0, values={}), fixed=(), candidates=())
+        end = SimpleNamespace(fit=SimpleNamespace(sse=0.0, values={}, columns={}), fixed=(), candidates=())
         return SimpleNamespace(
             name="piston", model=model, final=end, search=SimpleNamespace(final=end), has_unknown=False, is_empty=True
         )

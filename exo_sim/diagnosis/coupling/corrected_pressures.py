@@ -50,7 +50,7 @@ def with_corrected_pressures(data: MachineData, gas: Sequence[SubsystemResult[Ga
     for joint, runs in corrected_balances(data, gas, split).items():
         kept = []
         for run, before, hidden in zip(runs, data.joints[joint], behind[joint], strict=True):
-            if rms(hidden.drive.force - before.drive.force) > FORCE_BOUND_SHARE * before.effort:
+            if hidden is not before and rms(hidden.drive.force - before.drive.force) > FORCE_BOUND_SHARE * before.effort:
                 open_.append(open_questions.of_pressures_behind_hose(run.joint, run.recording))
                 continue
             unsure = run is not before and run.inertia.has_mass and not run.external_recorded

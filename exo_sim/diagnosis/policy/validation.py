@@ -61,7 +61,7 @@ NEGLIGIBLE = Number(
     0.1, "standard deviations of what laws of a healthy machine get wrong",
     "a finding of forces that changes its rows by less is small whatever they are missed by: something else misses them",
     "a healthy whole machine (X1046) had friction of 8e-7 m2 by its pressures named, 0.01; eight true names of X1042, a stranger's W6 and "
-    "S2 have 2.3 to 13",
+    "S2 have 2.3 to 13. Of true names that had no part in it (X1052, strangers' W1 and W8) the least has 0.46, a dip",
 )  # fmt: skip
 FEWEST_CHANGED = Count(
     6, "rows", "what a finding changes in fewer is held against that as if it were spread over so many: one row of thousands is off by "

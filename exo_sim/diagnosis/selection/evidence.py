@@ -111,13 +111,13 @@ def is_accepted(
         practical_significance: Drop of the root mean square residual below which a candidate must be beyond doubt.
         stands: Whether it stands in a model already: then it stays however small its share is, if a shape of its own shows.
     """
-    n = max(without.residual.size, 1)
-    if without.penalty - with_it.penalty > acceptance.RELIEF and has_own_shape(evidence):
+    n, own_shape = max(without.residual.size, 1), has_own_shape(evidence)
+    if without.penalty - with_it.penalty > acceptance.RELIEF and own_shape:
         return evidence.log10_odds > acceptance.LEAST_ODDS
     if without.sse <= n:
         return False
     plain = evidence.log10_odds > acceptance.BEYOND_DOUBT_ODDS and evidence.share > acceptance.BEYOND_DOUBT_SHARE
-    beyond_doubt = plain and (without.sse > acceptance.BEYOND_DOUBT_VARIANCE * n or has_own_shape(evidence))
+    beyond_doubt = plain and (without.sse > acceptance.BEYOND_DOUBT_VARIANCE * n or own_shape)
     if math.sqrt(without.sse / n) - math.sqrt(with_it.sse / n) < practical_significance and not beyond_doubt:
         return False
     explained = 1.0 - max(without.sse - n, 0.0) / max(baseline.sse - n, 1e-9)

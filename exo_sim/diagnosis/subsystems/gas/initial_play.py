@@ -31,9 +31,7 @@ _ALIKE = 1e-9
 Places = tuple[float, float]
 
 
-def begun_plays(
-    feed: GasInputs, width: float, together: bool, predicted: Callable[[int, Places], Array]
-) -> Places:
+def begun_plays(feed: GasInputs, width: float, together: bool, predicted: Callable[[int, Places], Array]) -> Places:
     """Return where the plays towards both chambers stand when a run begins, as a share of half the loop from its middle.
 
     Args:
@@ -46,12 +44,8 @@ def begun_plays(
     if shown < FEWEST:
         return 0.0, 0.0
 
-    def errors(one: float, other: float) -> Array:
-        seen = predicted(shown, (one, other))
-        measured = [np.full(shown, np.nan) if side is None else side[:shown] for side in feed.run.pressure]
-        return np.stack(measured, axis=1) - seen
-
-    return initial_play(errors, together)
+    measured = np.stack([np.full(shown, np.nan) if side is None else side[:shown] for side in feed.run.pressure], axis=1)
+    return initial_play(lambda one, other: measured - predicted(shown, (one, other)), together)
 
 
 def samples_of_open_play(time: Array, command: Array, width: float) -> int:

@@ -19,7 +19,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg.lapack import dpotrs
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate
@@ -27,54 +26,13 @@ from exo_sim.diagnosis.estimation.noise_model import noise_model
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.prior_terms import prior_terms
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
-from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy.budgets import ADAPTED
 from exo_sim.diagnosis.policy.priors import SIGN_SLACK, WRONG_SIGN
+from exo_sim.diagnosis.selection.directions import Direction, directions
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, LeastSquaresModel
-from exo_sim.diagnosis.selection.linear_evidence import factored
-from exo_sim.diagnosis.selection.score_test import Sizes, law_signatures, signature, spread_of
+from exo_sim.diagnosis.selection.score_test import Sizes
 
 Array = NDArray[np.float64]
-
-#: Amplitude, in units of the signature's size, that a linear answer is followed to at most.
-FURTHEST = 4.0
-#: Amplitude, in the same units, from which a fit begins at least: at nil some effects do not answer, and a size that is bounded there
-#: cannot begin below. Of 30 amplitudes of two benches (a leak beside wall heat, a dead-band beside a lag) it raised 6, to a law whose
-#: share the linear answer puts at 0.09 or below nil; two legs and two real machines of forces proposed nothing together.
-LEAST = 0.2
-
-
-@dataclass(frozen=True)
-class Direction:
-    """One candidate at one size.
-
-    Attributes:
-        candidate: The candidate.
-        sizes: Its parameters at amplitude 1, and at 0.
-        columns: Change of the residual, shape (n, c): one column for a size as a whole, or one for each parameter where they count apart.
-        one_sided: Whether a negative amplitude has no meaning.
-    """
-
-    candidate: Candidate
-    sizes: dict[FreeParameter, tuple[float, float]]
-    columns: Array
-    one_sided: bool
-
-    @property
-    def _is_linear(self) -> bool:
-        return self.candidate.proportional or self.columns.shape[1] > 1
-
-    def values(self, amplitudes: Array) -> dict[FreeParameter, float]:
-        """Return the parameters at these amplitudes, shape (c,)."""
-        found = {}
-        for j, (q, (one, nil)) in enumerate(self.sizes.items()):
-            a = float(amplitudes[j if len(amplitudes) > 1 else 0])
-            a = min(max(a, -FURTHEST), FURTHEST)
-            if not self.candidate.is_law:
-                a = max(a, LEAST) if self.one_sided else (a if abs(a) > LEAST else math.copysign(LEAST, a))
-            value = nil + a * (one - nil) if self._is_linear else one
-            found[q] = min(max(value, q.low), q.high)
-        return found
 
 
 @dataclass(frozen=True)
@@ -102,10 +60,10 @@ def joint_proposals(
         is_spent: Whether the time is up: then nothing is proposed.
         sizes: At which signatures stood out of the noise before; what is found here is added.
     """
-    directions = _directions(model, now, candidates, threads, is_spent, {} if sizes is None else sizes)
-    if not directions or is_spent():
+    asked = directions(model, now, candidates, threads, is_spent, {} if sizes is None else sizes)
+    if not asked or is_spent():
         return []
-    weighing = _Weighing(model, now, directions)
+    weighing = _Weighing(model, now, asked)
     found: dict[frozenset[tuple[str, str, str]], Proposal] = {}
     for begun in ((), weighing.one_of_each()):
         chosen = weighing.best_from(begun)
@@ -115,51 +73,6 @@ def joint_proposals(
     return sorted((p for p in found.values() if p.gain > 0.0), key=lambda p: -p.gain)
 
 
-def _directions(
-    model: LeastSquaresModel, now: FittedModel, candidates: Sequence[Candidate], threads: Threads, is_spent: IsSpent, known: Sizes
-) -> list[Direction]:
-    base, fixed = now.fit.residual, now.fixed
-    level = math.sqrt(float(base @ base) / max(base.size, 1))
-    left = [one for one in candidates if one.kind is not Kind.SENSOR and one.at not in now.named]
-    apart = [one for one in left if one.is_law or _count_apart(one)]
-    asked: list[tuple[Candidate, tuple[float, ...] | None]] = []
-    for one in left:
-        if one in apart:
-            asked.append((one, None))
-        elif not any(other.at == one.at and set(one.parameters) < set(other.parameters) for other in apart):
-            asked += [(one, start) for start in one.starts]
-
-    def direction(pair: tuple[Candidate, tuple[float, ...] | None]) -> Direction | None:
-        one, start = pair
-        if is_spent():
-            return None
-        if one.is_law:
-            columns = law_signatures(model, one, now, fixed)
-            sizes = {q: (q.start + spread_of(q), q.start) for q in one.parameters}
-            return Direction(one, sizes, columns, False) if np.isfinite(columns).all() else None
-        one_sided = not one.proportional or all(q.low >= q.neutral for q in one.parameters)
-        starts = [start] if start is not None else _one_by_one(one)
-        found = [signature(model, one, each, now, fixed, base, level, known) for each in starts]
-        changes = [pair for pair in found if pair is not None and float(pair[0] @ pair[0]) > 0.0]
-        if not changes or len(changes) < len(found):
-            return None
-        sizes = {q: (max(values[q] for _, values in changes), q.neutral) for q in one.parameters}
-        return Direction(one, sizes, np.column_stack([change for change, _ in changes]), one_sided)
-
-    return [one for one in threads.predictions(direction, asked) if one is not None]
-
-
-def _count_apart(candidate: Candidate) -> bool:
-    """Return whether each parameter of a candidate is an amount of its own, nil where the effect is absent."""
-    return len(candidate.parameters) > 1 and all(q.neutral == q.low == 0.0 and not q.logarithmic for q in candidate.parameters)
-
-
-def _one_by_one(candidate: Candidate) -> list[tuple[float, ...]]:
-    """Return sizes with one parameter each at its typical value and the others at nil."""
-    first = candidate.starts[0]
-    return [tuple(value if j == k else 0.0 for j, value in enumerate(first)) for k in range(len(first))]
-
-
 #: Indices of directions, one for each effect and place at most.
 Chosen = tuple[int, ...]
 
@@ -167,25 +80,28 @@ Chosen = tuple[int, ...]
 class _Weighing:
     """Evidence of subsets of directions beside a fitted model."""
 
-    def __init__(self, model: LeastSquaresModel, now: FittedModel, directions: Sequence[Direction]):
-        self.directions = directions
+    def __init__(self, model: LeastSquaresModel, now: FittedModel, asked: Sequence[Direction]):
+        self.directions = asked
         self._blocks, self._base = model.blocks, now.fit.residual
         prior_rows, prior_jac = prior_terms(now.fit.parameters, now.fit.values)
         values = now.fit.values
         loose = [j for j, q in enumerate(now.fit.parameters) if q.low < values[q] < q.high]
         self._free, self._prior = now.fit.jacobian[:, loose], (prior_rows, prior_jac[:, loose])
-        width = [one.columns.shape[1] for one in directions]
-        edges = np.concatenate([[0], np.cumsum(width)])
-        self._of = [np.arange(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True)]
-        self._raw = np.hstack([one.columns for one in directions])
-        self._log_prior = [one.candidate.prior_log_odds for one in directions]
-        self._standing = now.bears
+        widths = [one.columns.shape[1] for one in asked]
+        edges = np.concatenate([[0], np.cumsum(widths)])
+        self._of = [tuple(range(a, b)) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+        self._raw = np.hstack([one.columns for one in asked])
+        self._log_prior = [one.candidate.prior_log_odds for one in asked]
+        self._one_sided = np.repeat([one.one_sided for one in asked], widths)
+        self._wrong_sign = np.repeat(WRONG_SIGN / np.array(widths), widths)
+        there = now.bears
+        self._needs = {i: one.candidate.prerequisite for i, one in enumerate(asked) if one.candidate.prerequisite not in ("", *there)}
         self._whiten(self._base)
 
     def _has_orphan(self, chosen: Chosen) -> bool:
         """Return whether what a direction comes on top of is neither in the model nor chosen."""
-        there = self._standing.union(*(self.directions[i].candidate.bears for i in chosen))
-        return any(self.directions[i].candidate.prerequisite not in ("", *there) for i in chosen)
+        needed = {self._needs[i] for i in chosen if i in self._needs}
+        return bool(needed) and not needed <= set().union(*(self.directions[i].candidate.bears for i in chosen))
 
     def _whiten(self, residual: Array) -> None:
         """Estimate the error process from a residual, and project every whitened signature clear of what is free already."""
@@ -198,48 +114,61 @@ class _Weighing:
             basis = np.linalg.qr(free)[0]
             target = target - basis @ (basis.T @ target)
             columns = columns - basis @ (basis.T @ columns)
-        self._normal, self._pull = columns.T @ columns, -(columns.T @ target)
+        self._precision, self._pull = columns.T @ columns + np.eye(columns.shape[1]), -(columns.T @ target)
+        if not np.isfinite(self._precision).all():
+            raise np.linalg.LinAlgError("the signatures of what may be proposed together are not finite")
 
-    def evidence(self, chosen: Chosen) -> tuple[float, Array]:
-        """Return the log of a subset's evidence over the empty one's, with the prior odds, and the amplitudes."""
-        if not chosen:
-            return 0.0, np.zeros(0)
-        if self._has_orphan(chosen):
-            return -math.inf, np.zeros(0)
-        at = np.concatenate([self._of[i] for i in chosen])
-        normal = self._normal[np.ix_(at, at)] + np.eye(len(at))
-        factor = factored(normal)
-        amplitudes = dpotrs(factor, self._pull[at], lower=1)[0]
-        value = 0.5 * float(self._pull[at] @ amplitudes) - float(np.sum(np.log(np.diag(factor))))
-        spreads = np.sqrt(np.diag(dpotrs(factor, np.eye(len(at)), lower=1)[0]))
-        position = 0
-        for i in chosen:
-            value += self._log_prior[i]
-            count = len(self._of[i])
-            if self.directions[i].one_sided:
-                out = -amplitudes[position : position + count] / spreads[position : position + count]
-                value -= float(np.sum(np.where(out > SIGN_SLACK, 0.5 * out * out + WRONG_SIGN / count, 0.0)))
-            position += count
-        return value, amplitudes
+    def _columns(self, chosen: Chosen) -> list[int]:
+        return [column for i in chosen for column in self._of[i]]
+
+    def amplitudes(self, chosen: Chosen) -> Array:
+        """Return the posterior mean of the amplitudes of a subset, one for each of its columns."""
+        at = self._columns(chosen)
+        return np.linalg.solve(self._precision[np.ix_(at, at)], self._pull[at])
+
+    def evidence(self, subsets: Sequence[Chosen]) -> list[float]:
+        """Return the log of the evidence of each subset over the empty one's, with the prior odds.
+
+        Those of as many columns are weighed at once: alone, each of tens of thousands would cost ten times as much.
+        """
+        found = [-math.inf] * len(subsets)
+        alike: dict[int, list[int]] = {}
+        columns = [self._columns(chosen) for chosen in subsets]
+        for place, chosen in enumerate(subsets):
+            if not self._has_orphan(chosen):
+                alike.setdefault(len(columns[place]), []).append(place)
+        for places in alike.values():
+            weighed = self._weighed(np.array([columns[place] for place in places], dtype=int))
+            for place, value in zip(places, weighed, strict=True):
+                found[place] = float(value) + sum(self._log_prior[i] for i in subsets[place])
+        return found
+
+    def _weighed(self, at: NDArray[np.int_]) -> Array:
+        """Return the log of the evidence of subsets given by their columns, shape (g, m), without the prior odds, shape (g,)."""
+        precision, pull = self._precision[at[:, :, None], at[:, None, :]], self._pull[at]
+        covariance = np.linalg.inv(precision)
+        amplitudes = np.einsum("gij,gj->gi", covariance, pull)
+        out = -amplitudes / np.sqrt(np.einsum("gii->gi", covariance))
+        wrong = np.where(self._one_sided[at] & (out > SIGN_SLACK), 0.5 * out * out + self._wrong_sign[at], 0.0)
+        return np.asarray(0.5 * np.sum(pull * amplitudes, axis=1) - 0.5 * np.linalg.slogdet(precision)[1] - np.sum(wrong, axis=1))
 
     def one_of_each(self) -> Chosen:
         """Return for each effect and place the direction that alone is most probable."""
         best: dict[tuple[str, str], tuple[float, int]] = {}
-        for i, one in enumerate(self.directions):
-            value = self.evidence((i,))[0]
-            if value == -math.inf:
-                continue
-            if one.candidate.at not in best or value > best[one.candidate.at][0]:
-                best[one.candidate.at] = value, i
+        for i, value in enumerate(self.evidence([(i,) for i in range(len(self.directions))])):
+            at = self.directions[i].candidate.at
+            if value > best.get(at, (-math.inf, i))[0]:
+                best[at] = value, i
         return tuple(sorted(i for _, i in best.values()))
 
     def best_from(self, chosen: Chosen) -> Chosen:
         """Return the subset that no addition, removal or exchange betters, reached from another; the error process is estimated anew."""
         self._whiten(self._base)
         for _ in range(ADAPTED):
-            value = self.evidence(chosen)[0]
+            value = self.evidence([chosen])[0]
             while True:
-                better = max(((self.evidence(one)[0], one) for one in self._neighbours(chosen)), default=(-math.inf, ()))
+                neighbours = list(self._neighbours(chosen))
+                better = max(zip(self.evidence(neighbours), neighbours, strict=True), default=(-math.inf, ()))
                 if better[0] <= value + 1e-9:
                     break
                 value, chosen = better
@@ -265,12 +194,12 @@ class _Weighing:
         """Return the residual that a subset leaves, its amplitudes and whatever is free refitted."""
         if not chosen:
             return self._base
-        columns = np.hstack([self._free, *(self._raw[:, self._of[i]] for i in chosen)])
+        columns = np.hstack([self._free, self._raw[:, self._columns(chosen)]])
         return self._base - columns @ np.linalg.lstsq(columns, self._base, rcond=None)[0]
 
     def proposal(self, chosen: Chosen) -> Proposal:
         """Return a subset as candidates with values to begin with."""
-        gain, amplitudes = self.evidence(chosen)
+        gain, amplitudes = self.evidence([chosen])[0], self.amplitudes(chosen)
         values: dict[FreeParameter, float] = {}
         position = 0
         for i in chosen:

@@ -29,6 +29,10 @@ EXACT_FOR = 1e-5
 TOLERANCE = 2e-3
 #: Largest step in the logarithm of a parameter.
 LARGEST_LOG_STEP = 1.2
+#: So many steps, each more damped than the one before, are tried in turn, and as many more as promise more than the tolerance. A law may
+#: bend within a hundredth of what its neighbours' slopes ask for: of the speed over which a contact begins to slide, friction of 28 N
+#: known to 0.2 N asked for 58 times as much as there was, and the fit ended where it began, with 408 for 310 that it reaches.
+SURE_ATTEMPTS, MOST_ATTEMPTS = 5, 10
 #: Residual that replaces one that is not finite, in units of the noise.
 WORST = 1e4
 #: Values of the free parameters to a whitened residual, shape (n,).
@@ -180,8 +184,10 @@ def fit(
         gradient = whole.T @ np.concatenate([r, math.sqrt(weight) * rows])
         normal = whole.T @ whole
         improved = False
-        for attempt in range(5):
+        for attempt in range(MOST_ATTEMPTS):
             step = _bounded_step(normal, gradient, damping, parameters, values, LARGEST_LOG_STEP / 3.0**attempt)
+            if attempt >= SURE_ATTEMPTS and not _promised(normal, gradient, step) > tolerance * cost:
+                break
             tried = {q: q.value(q.coordinate(values[q]) + float(s)) for q, s in zip(parameters, step, strict=True)}
             new = residual(tried)
             new_rows, _ = prior_terms(parameters, tried)
@@ -211,6 +217,11 @@ def fit(
     if derivatives.exact and not is_fresh() and not is_spent():
         jac, differenced_at = differences(residual, parameters, values, r, threads), float(r @ r)
     return Fit(parameters, values, r, jac, float(rows @ rows), row_jac, weight, differenced_at)
+
+
+def _promised(normal: Array, gradient: Array, step: Array) -> float:
+    """Return by how much a step lowers the cost if all answers are in proportion."""
+    return -float(2.0 * gradient @ step + step @ normal @ step)
 
 
 def _bounded_step(

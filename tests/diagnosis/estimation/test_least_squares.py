@@ -58,6 +58,13 @@ def test_a_jacobian_that_was_differenced_where_a_fit_ended_is_not_differenced_ag
     np.testing.assert_allclose(moved.jacobian, differences(missed, (A, B), moved.values, moved.residual), rtol=1e-2, atol=1e-2)
 
 
+def test_a_law_that_bends_long_before_its_slope_is_followed_up_is_fitted_all_the_same() -> None:
+    """Its slope asks for steps a hundred times as long as what lowers the error."""
+    found = fit(lambda values: np.array([1.0 - values[A], (values[A] / 0.05) ** 2]), (A,), {A: 0.0}, max_iterations=40)
+    lowest = min((1.0 - a) ** 2 + (a / 0.05) ** 4 for a in np.linspace(0.0, 0.1, 1001))
+    assert found.sse == pytest.approx(lowest, rel=3e-3)
+
+
 def test_it_keeps_to_bounds() -> None:
     bounded = quantity("b", 0.0, 0.5)
     found = fit(lambda v: 50.0 * (2.0 * np.exp(-v[bounded] * AT) - 2.0 * np.exp(-0.7 * AT)), (bounded,), {bounded: 0.1})

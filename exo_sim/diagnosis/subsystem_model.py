@@ -92,6 +92,11 @@ class SubsystemModel(ABC):
         """Largest error of a healthy machine's model in `unit`; 0 where no sensor's zero is fitted to it."""
         return 0.0
 
+    @property
+    def constant_of_zeros(self) -> float:
+        """The greatest constant force that zeros of sensors within their data sheets make where friction acts [N or N m]."""
+        return 0.0
+
     def apply(self, values: Values, fixed: Sequence[tuple[FreeParameter, float]] = ()) -> PlantParameters:
         """Return the nominal plant with these parameters changed."""
         return self.nominal.with_values((*values.items(), *fixed))

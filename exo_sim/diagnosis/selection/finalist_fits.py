@@ -9,7 +9,6 @@ from dataclasses import replace
 from exo_sim.diagnosis.discrepancy.basis import DiscrepancyBasis
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
-from exo_sim.diagnosis.policy import verdicts
 from exo_sim.diagnosis.policy.verdicts import NIL
 from exo_sim.diagnosis.selection.fitted_evidence import FittedEvidence
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit
@@ -19,7 +18,7 @@ from exo_sim.diagnosis.selection.marginal_fit import MarginalFits
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nonparametric_terms import nonparametric_terms
 from exo_sim.diagnosis.selection.refitted_finalists import Refitted
-from exo_sim.diagnosis.selection.simpler_forms import poorer_where_alike, sizes_of_poorer
+from exo_sim.diagnosis.selection.simpler_forms import in_poorer_forms
 from exo_sim.diagnosis.selection.subset_numbers import values_and_errors
 from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing, Weighed
 
@@ -83,28 +82,15 @@ class FinalistFits:
             final = beside.fit(candidates, near, refined=True)
             there = without_nil(candidates, final.fit.values)
             kept = tuple(c for c in there if exceeds_healthy_limit(c, final))
-            poorer = poorer_where_alike(kept, final.fit.values, asked)
-            by_sensors = poorer == kept
-            if by_sensors:
-                poorer = poorer_where_alike(kept, final.fit.values, asked, self.weighing.family.constant)
-            if poorer != kept:
-                begun = FittedModel.at({**final.fit.values, **sizes_of_poorer(kept, poorer, final.fit.values)})
-                if self._is_as_good(beside.fit(poorer, begun, refined=True), final, beside, by_sensors):
-                    kept, near = poorer, begun
+            simpler = in_poorer_forms(
+                final, kept, asked, self.weighing.family.constant, lambda names, begun: beside.fit(names, begun, refined=True),
+                beside.deficit, self.fits.model.size,
+            )  # fmt: skip
+            if simpler is not final:
+                kept, near = simpler.candidates, simpler
             if kept == candidates:
                 return final
             candidates = kept
-
-    def _is_as_good(self, simpler: FittedModel, final: FittedModel, beside: MarginalFits, by_sensors: bool) -> bool:
-        """Return whether a model with a poorer form is as good as one with the richer.
-
-        Gains below the noise count for nothing. Where sensors within their data sheets make the difference (`by_sensors`) what they are
-        off by does not count against them, and the gain does.
-        """
-        lost = beside.deficit(simpler, final)
-        if by_sensors:
-            return lost - 0.5 * max(simpler.fit.penalty - final.fit.penalty, 0.0) <= verdicts.AS_GOOD
-        return simpler.fit.sse <= self.fits.model.size or lost <= verdicts.AS_GOOD
 
 
 def without_nil(candidates: tuple[Candidate, ...], values: Mapping[FreeParameter, float]) -> tuple[Candidate, ...]:

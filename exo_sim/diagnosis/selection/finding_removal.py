@@ -12,11 +12,10 @@ from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH
 from exo_sim.diagnosis.findings import Estimate, Finding
 from exo_sim.diagnosis.policy.probability import LEAST_PROBABILITY
-from exo_sim.diagnosis.policy.verdicts import AS_GOOD
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.nuisance_calibration import counted_back
-from exo_sim.diagnosis.selection.simpler_forms import poorer_than, poorer_where_alike, sizes_of_poorer
+from exo_sim.diagnosis.selection.simpler_forms import in_poorer_forms, poorer_than, sizes_of_poorer
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 
@@ -65,13 +64,11 @@ def _with_what_is_alike_as_one(
 
     Two levels of friction that differed beside a dip are one without it.
     """
-    asked = {one.effect: one for c in final.candidates for one in _poorer_of(c, result, names)}
-    poorer = poorer_where_alike(final.candidates, final.fit.values, asked)
-    if poorer == final.candidates:
-        return final
-    begun = {**final.fit.values, **sizes_of_poorer(final.candidates, poorer, final.fit.values)}
-    simpler = result.fits.refined(result.fits.fit(poorer, FittedModel.at(begun)))
-    return simpler if result.fits.deficit(simpler, final) <= AS_GOOD else final
+    fits, asked = result.fits, {one.effect: one for c in final.candidates for one in _poorer_of(c, result, names)}
+    return in_poorer_forms(
+        final, final.candidates, asked, result.model.constant_of_zeros, lambda those, near: fits.refined(fits.fit(those, near)),
+        fits.deficit, fits.model.size,
+    )  # fmt: skip
 
 
 def _poorer_of(

@@ -79,6 +79,37 @@ def sizes_of_poorer(
     return begun
 
 
+def in_poorer_forms(
+    final: FittedModel, kept: tuple[Candidate, ...], asked: Mapping[str, Candidate], constant: float,
+    fit: Callable[[tuple[Candidate, ...], FittedModel], FittedModel], deficit: Callable[[FittedModel, FittedModel], float], size: int,
+) -> FittedModel:  # fmt: skip
+    """Return a model with poorer forms where what the richer ones tell apart is alike and they are as good; else the model itself.
+
+    Gains below the noise count for nothing. Where sensors within their data sheets make the difference what these are off by does not
+    count against the poorer forms, and the gain does.
+
+    Args:
+        final: A fitted model.
+        kept: Its effects, or those of them that stay.
+        asked, constant: As of `poorer_where_alike`.
+        fit: Fits candidates from a similar model.
+        deficit: By how much the log-likelihood of one model is lower than another's.
+        size: Rows.
+    """
+    poorer = poorer_where_alike(kept, final.fit.values, asked)
+    by_sensors = poorer == kept
+    if by_sensors:
+        poorer = poorer_where_alike(kept, final.fit.values, asked, constant)
+    if poorer == kept:
+        return final
+    simpler = fit(poorer, FittedModel.at({**final.fit.values, **sizes_of_poorer(kept, poorer, final.fit.values)}))
+    lost = deficit(simpler, final)
+    if by_sensors:
+        lost -= 0.5 * max(simpler.fit.penalty - final.fit.penalty, 0.0)
+    as_good = lost <= verdicts.AS_GOOD or (not by_sensors and simpler.fit.sse <= size)
+    return simpler if as_good else final
+
+
 @dataclass(frozen=True)
 class RicherForm:
     """A richer form that stands beside the poorer one that a search ended with.

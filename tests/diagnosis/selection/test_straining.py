@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from diagnosis import waves
 
+from exo_sim.diagnosis.estimation.candidate import Candidate
+from exo_sim.diagnosis.nominal_numbers import FORCE_OFFSET
 from exo_sim.diagnosis.policy.off_nominal import STRAINING
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.straining import without_straining
@@ -54,3 +57,26 @@ def test_an_effect_whose_own_shape_is_unusual_strains_nothing_that_is_known() ->
 
 def test_of_what_the_noise_explains_nothing_stands_that_strains_any_number() -> None:
     assert named("return_spring", "bent", 1.0, Quiet, quicker=0.9) == []
+
+
+def friction(effect: str, *numbers: str) -> Candidate:
+    parameters = tuple(replace(waves.parameter(effect, "", low=0.0), parameter=name) for name in numbers)
+    return Candidate(effect, "piston", "+".join(numbers), parameters, ((1.0,) * len(numbers),))
+
+
+@pytest.mark.parametrize(
+    ("backward", "left"), [(9.0, "coulomb_friction"), (14.0, "asymmetric_friction")], ids=["of one", "of two directions"]
+)
+def test_two_directions_against_which_a_force_stands_that_no_sensor_makes_are_one(backward: float, left: str) -> None:
+    """Cantera's second of seed 2811282: 22 and 35 N beside 6 N that sensors of 1 N made, of friction that is 28.6 N both ways."""
+    outward = np.sin(waves.AT / 7.0) > 0.0
+    shapes = {
+        **SHAPES, "forward": 1.0 * outward, "backward": -1.0 * ~outward, "force": np.where(outward, 1.0, -1.0),
+        "pulled": 1.0 + 0.3 * waves.SHAPES["quicker"],
+    }  # fmt: skip
+    constant = waves.parameter(FORCE_OFFSET, "pulled", prior=(0.0, 0.5))
+    fits = ModelFits(waves.Waves(5.0, shapes, forward=9.0, backward=backward, quicker=0.6), (constant,), cheap=True)
+    apart, plain = friction("asymmetric_friction", "forward", "backward"), friction("coulomb_friction", "force")
+    found = fits.refined(fits.fit((apart,)))
+    assert found.fit.penalty > STRAINING
+    assert [c.effect for c in without_straining(found, fits, {plain.effect: plain}).candidates] == [left]

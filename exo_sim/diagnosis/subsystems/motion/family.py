@@ -20,7 +20,6 @@ from exo_sim.diagnosis.estimation.linear_family import LinearFamily, Linearisati
 from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.findings import Kind
 from exo_sim.diagnosis.policy import healthy, priors
-from exo_sim.diagnosis.subsystems.motion.indistinguishable import constant_force_of_zeros
 from exo_sim.diagnosis.subsystems.motion.law_terms import LawTerms
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.scales import MotionScales
@@ -80,8 +79,9 @@ class _Builder:
                         linearisations.append(self._linearised(candidate, {parameter: value}, len(usual)))
         noise = self.model.noise or math.inf
         whole, least = self.model.friction / noise, self.model.healthy_friction / noise
-        constant = constant_force_of_zeros(self.model.runs)
-        return LinearFamily(self.nuisances, tuple(linearisations), whole, least, self.laws.fitted_forms(), constant)
+        return LinearFamily(
+            self.nuisances, tuple(linearisations), whole, least, self.laws.fitted_forms(), self.model.constant_of_zeros
+        )
 
     def _of_place_and_time(self, friction: float) -> list[Term]:
         """Return friction that varies with place or time by more than a healthy machine's, as functions of no particular form.

@@ -29,6 +29,7 @@ from exo_sim.diagnosis.subsystems.motion.discrepancy_basis import friction_discr
 from exo_sim.diagnosis.subsystems.motion.experiments import resisted
 from exo_sim.diagnosis.subsystems.motion.full_scale import full_force
 from exo_sim.diagnosis.subsystems.motion.indistinguishable import (
+    constant_force_of_zeros,
     friction_beside_constant_force,
     scale_instead_of_mass,
     sensor_error_of,
@@ -130,6 +131,10 @@ class MotionModel(SubsystemModel):
         other._starting, other._set = starting, self._set.with_onsets(self._onsets(starting))
         other._weigh(self._scatter, self._creep)
         return other
+
+    @property
+    def constant_of_zeros(self) -> float:
+        return constant_force_of_zeros(self.runs)
 
     @property
     def lever(self) -> Array:

@@ -21,6 +21,9 @@ from exo_sim.physics.declaration import Effect, declared
 from exo_sim.recording.table import Recording
 from exo_sim.rig import Rig
 
+#: What effects of a valve need: of a valve for each chamber the commands of both.
+_COMMAND = "valve_command"
+
 #: Ranges below which a joint did not move [m or rad], and a valve was not opened [1].
 _STILL, _CLOSED = 1e-4, 0.01
 
@@ -84,22 +87,25 @@ def questions(recording: Recording, rig: Rig, model: mujoco.MjModel) -> list[Que
 def _at_cylinder(effect: Effect, name: str, joint: str, recording: Recording, rig: Rig, is_fed: bool) -> Question:
     cylinder, missing = rig.cylinders[name], []
     keys = {"position": f"{joint}.position"}
+    commands = [f"{name}.{command}" for command in cylinder.needed_commands]
     if effect.needs_valve and cylinder.valve_area <= 0.0:
         missing.append(f"{name} has no valve")
     if effect.identification.applicability.two_chambers and cylinder.single_acting:
         missing.append(f"{name} has one chamber")
-    wanted = [keys.get(signal, f"{name}.{signal}") for signal in effect.needs]
+    wanted = [keys.get(signal, f"{name}.{signal}") for signal in effect.needs if signal != _COMMAND]
+    if _COMMAND in effect.needs:
+        wanted += commands
     if effect.cut == "gas":
         wanted.append(keys["position"])
         if cylinder.valve_area > 0.0:
-            wanted += [f"{name}.{command}" for command in cylinder.commands]
+            wanted += commands
     shown = [signal if "." in signal else keys.get(signal, f"{name}.{signal}") for signal in effect.reveals]
     missing += _lacking(recording, wanted, shown)
     if effect.cut == "gas" and is_fed:
         missing.append(f"a command of what lets gas into {name}")
     if effect.cut == "motion" and f"{name}.force" not in recording and not _drive_is_recorded(recording, joint, [name]):
         missing.append(f"{name}.pressure_1, {name}.force or {joint}.external_force, one of them")
-    happened = _happened(effect, recording, f"{name}.{cylinder.commands[0]}", keys["position"])
+    happened = _happened(effect, recording, commands, keys["position"])
     return Question(effect.name, name, (*dict.fromkeys(missing), *happened))
 
 
@@ -108,7 +114,7 @@ def _at_joint(effect: Effect, joint: str, cylinders: Sequence[str], recording: R
     if not _drive_is_recorded(recording, joint, cylinders) and not _pushed(recording) and not is_undriven(recording, rig):
         drives = [f"{joint}.external_force", *(f"{name}.pressure_1" for name in cylinders)]
         missing.append(" or ".join(drives))
-    return Question(effect.name, joint, (*dict.fromkeys(missing), *_happened(effect, recording, "", f"{joint}.position")))
+    return Question(effect.name, joint, (*dict.fromkeys(missing), *_happened(effect, recording, (), f"{joint}.position")))
 
 
 def _shared(effect: Effect, place: str, recording: Recording, rig: Rig) -> Question:
@@ -148,11 +154,12 @@ def _unknown_contact(recording: Recording, model: mujoco.MjModel) -> str:
     return f"{site}.ground_force_x and _z ({body} touches the ground)"
 
 
-def _happened(effect: Effect, recording: Recording, command: str, position: str) -> list[str]:
+def _happened(effect: Effect, recording: Recording, commands: Sequence[str], position: str) -> list[str]:
     """Return what must have happened for the question to make sense, and did not."""
     sense, lacking = effect.identification.applicability, []
     valve = effect.needs_valve or sense.commanded
-    if valve and command in recording and _range(recording, command) <= _CLOSED:
+    recorded = [command for command in commands if command in recording]
+    if valve and recorded and all(_range(recording, command) <= _CLOSED for command in recorded):
         lacking.append("the valve never opens")
     if (sense.moving or effect.cut == "motion") and position in recording and _range(recording, position) <= _STILL:
         lacking.append(f"{position.rsplit('.', 1)[0]} never moves")

@@ -48,6 +48,19 @@ def test_without_a_command_the_valve_is_not_asked(bench: tuple[Rig, Recording]) 
     assert found["coulomb_friction", "piston"].answerable
 
 
+def test_a_valve_for_each_chamber_is_asked_by_both_commands(bench: tuple[Rig, Recording]) -> None:
+    rig, recording = bench
+    command = recording["piston.valve_command"]
+    alone = replace(rig.cylinders["piston"], valve=replace(rig.cylinders["piston"].valve, independent=True))
+    rig = replace(rig, cylinders={"piston": alone})
+    both = without(recording, "piston.valve_command")
+    both = replace(both, columns={**both.columns, "piston.valve_command_1": command, "piston.valve_command_2": 0.0 * command})
+    assert [one for one in asked(rig, both).values() if not one.answerable] == []
+    assert asked(rig, without(both, "piston.valve_command_2"))["valve_lag", "piston"].missing == ("piston.valve_command_2",)
+    still = replace(both, columns={**both.columns, "piston.valve_command_1": 0.0 * command})
+    assert asked(rig, still)["valve_lag", "piston"].missing == ("the valve never opens",)
+
+
 def test_of_chambers_that_something_unknown_feeds_the_gas_is_not_asked(tmp_path: Path) -> None:
     rig = benches.bench(tmp_path)
     found = asked(rig, without(benches.recorded(rig, 4.0), "piston.valve_command"))

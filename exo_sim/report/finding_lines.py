@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 import textwrap
 
 from exo_sim.diagnosis.findings import Finding
 from exo_sim.report import amounts, diagnosis_words
 
 WIDTH = 110
-#: So many numbers of a finding stand in its line; of the others it is said how many they are.
+#: So many numbers of a finding stand in its line, those that are furthest from nil; of the others it is said how many they are.
 MOST_NUMBERS = 3
 
 
@@ -32,11 +33,23 @@ def brief(finding: Finding) -> list[str]:
     numbers, estimates = diagnosis_words.numbers(finding), diagnosis_words.estimates(finding).values()
     off = [finding.kind == "calibration" and estimate.unit in ("", "1") for estimate in estimates]
     shown = [f"{name} {'× ' if by else ''}{value} (95 %: {span})" for (name, value, span), by in zip(numbers, off, strict=True)]
+    told = [shown[i] for i in _furthest_from_nil(finding)] or [finding.says.rstrip(".")]
     left = len(numbers) - MOST_NUMBERS
     more = [f"{left} number{'s' if left > 1 else ''} more in the report"] if left > 0 else []
     sure = [f"probability {100.0 * finding.confidence:.0f} %"] if finding.log10_odds else []
     name = " or ".join(map(diagnosis_words.name_of, (finding.name, *finding.ambiguous_with)))
-    return wrapped(f"{name} at {finding.where}: {'; '.join([*(shown[:MOST_NUMBERS] or [finding.says.rstrip('.')]), *more, *sure])}", "  ")
+    return wrapped(f"{name} at {finding.where}: {'; '.join([*told, *more, *sure])}", "  ")
+
+
+def _furthest_from_nil(finding: Finding) -> list[int]:
+    """Return which numbers of a finding stand in its line, in their order: those that are the most half intervals from nil."""
+    estimates = list(diagnosis_words.estimates(finding).values())
+
+    def apart(i: int) -> float:
+        half = 0.5 * (estimates[i].high - estimates[i].low)
+        return abs(estimates[i].value) / half if half > 0.0 else math.inf
+
+    return sorted(sorted(range(len(estimates)), key=apart, reverse=True)[:MOST_NUMBERS])
 
 
 def wrapped(words: str, indent: str) -> list[str]:

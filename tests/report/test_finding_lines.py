@@ -17,7 +17,16 @@ def test_a_line_holds_name_place_number_interval_and_probability() -> None:
     assert finding_lines.brief(made_up.AREA) == ["  flow capacity at piston: factor × 1.0200 (95 %: 1.0180 to 1.0220); probability 95 %"]
 
 
-def test_of_many_numbers_the_first_stand_in_it_and_without_one_what_is_said() -> None:
+def test_of_many_numbers_those_furthest_from_nil_stand_in_it() -> None:
+    """Of a valve whose exhaust edges are half as large its overlaps, which are nil, are what nobody asks for."""
+    nil = {f"overlap_{i}": Estimate(0.002, "1", -0.02, 0.02) for i in range(3)}
+    small = {f"excess_exhaust_{i}": Estimate(-0.58, "1", -0.585, -0.575) for i in (1, 2)}
+    edges = Finding("valve_edges", "piston", Kind.MISSING_PHYSICS, "Edges differ.", {**nil, **small}, 9.0, 0.0)
+    said = " ".join(finding_lines.brief(edges))
+    assert said.index("overlap 0") < said.index("excess exhaust 1") < said.index("excess exhaust 2") < said.index("2 numbers more")
+
+
+def test_of_many_numbers_some_stand_in_it_and_without_one_what_is_said() -> None:
     four = {f"overlap_{i}": Estimate(0.02, "1", 0.01, 0.03) for i in range(4)}
     edges = Finding("valve_edges", "piston", Kind.MISSING_PHYSICS, "Edges differ.", four, 9.0, 0.0)
     said = " ".join(finding_lines.brief(edges))

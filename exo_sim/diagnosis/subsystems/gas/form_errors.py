@@ -37,10 +37,26 @@ def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: Pl
         size = float(fitted.cylinder[parameter.effect][parameter.parameter][0])
         return size * math.hypot(HEAT_FORM, HOSE_FORM if any(volumes.values()) else 0.0)
     if parameter.effect != DEAD_VOLUME:
-        return 0.0
+        return _in_twins(parameter, fitted)
     owner = nominal.cylinder[0]
     dead = float(owner[parameter.parameter])
     if dead <= 0.0:
         return 0.0
     middle = dead + 0.5 * float(owner[f"area_{parameter.parameter[-1]}"]) * float(owner["stroke"])
     return math.hypot(VOLUME_FORM * middle, HOSE_FORM * sum(volumes.values())) / dead
+
+
+def _in_twins(parameter: FreeParameter, fitted: PlantParameters) -> float:
+    """Return by how much a number may stand in the parts of a twin, or they in it: that much of both is known of neither alone.
+
+    A shifted spool opens two edges sooner and two later. A fit shares that out by what either law does at full opening, of which no form
+    is known so well.
+    """
+    for effect in declared().values():
+        for twin, parts in effect.identification.twins.as_parts.items():
+            own = {effect.parameters[0].name: 1.0} if parameter.effect == effect.name else parts if parameter.effect == twin else {}
+            if parameter.parameter in own and fitted.is_on(effect) and fitted.is_on(declared()[twin]):
+                record = fitted.cylinder[twin]
+                common = sum(share * float(record[name][0]) for name, share in parts.items()) / sum(share**2 for share in parts.values())
+                return abs(own[parameter.parameter] * common)
+    return 0.0

@@ -56,6 +56,27 @@ def test_an_area_is_known_to_a_share_and_what_nobody_looked_at_to_what_the_data_
     assert error_of_form(leak, plant, plant) == 0.0
 
 
+@pytest.mark.parametrize(
+    ("overlaps", "shift", "open_by"),
+    [((0.004, -0.004, -0.004, 0.004), 0.03, 0.004), ((0.004, 0.004, 0.004, 0.004), 0.03, 0.0), ((0.004, -0.004, -0.004, 0.004), 0.0, 0.0)],
+    ids=["a shift in the edges", "a dead band in them", "edges alone"],
+)  # fmt: skip
+def test_what_of_a_shift_stands_in_the_edges_is_known_of_neither(
+    plant: PlantParameters, overlaps: tuple[float, ...], shift: float, open_by: float
+) -> None:
+    names = [f"overlap_{edge}" for edge in ("supply_1", "exhaust_1", "supply_2", "exhaust_2")]
+    cylinder = plant.cylinder.copy()
+    cylinder["valve_offset"]["shift"] = shift
+    for name, value in zip(names, overlaps, strict=True):
+        cylinder["valve_edges"][name] = value
+    fitted = replace(plant, cylinder=cylinder)
+    numbers = [("valve_offset", "shift"), *(("valve_edges", name) for name in names)]
+    asked = [FreeParameter(effect, "piston", name, "1", Target.CYLINDER, 0.01, -0.5, 0.5) for effect, name in numbers]
+    assert [error_of_form(one, fitted, plant) for one in asked] == pytest.approx([open_by] * 5)
+    excess = FreeParameter("valve_edges", "piston", "excess_supply_1", "1", Target.CYLINDER, 0.05, -0.5, 0.5)
+    assert error_of_form(excess, fitted, plant) == 0.0
+
+
 def test_heat_to_the_wall_is_known_to_a_share_and_beside_a_hose_to_a_larger_one(plant: PlantParameters) -> None:
     conductance = FreeParameter("wall_heat_transfer", "piston", "conductance", "W/K", Target.CYLINDER, 0.2, 0.0, 100.0)
     cylinder = plant.cylinder.copy()

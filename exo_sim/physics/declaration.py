@@ -48,6 +48,7 @@ class Parameter:
         angular_unit: SI unit where the effect acts on a turning joint, if it differs.
         required: False where the effect works without it.
         choices: Words that stand for 0, 1, 2 ... where the parameter is a choice.
+        shapes: The parameter without which a choice means nothing, "" where it always means something.
         default: Value of a parameter that is not required.
         most: The longest list where the parameter is a list of numbers; 0 where it is one number.
         unit_by: For a list whose unit follows from choices: the deciding parameter and the SI units in the order of its words.
@@ -62,6 +63,7 @@ class Parameter:
     angular_unit: str | None = None
     required: bool = True
     choices: tuple[str, ...] = ()
+    shapes: str = ""
     default: float = 0.0
     most: int = 0
     unit_by: tuple[str, tuple[tuple[str, str], ...]] | None = None

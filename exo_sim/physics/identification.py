@@ -37,6 +37,8 @@ class Applicability:
         places: Of its places those where it is asked; all of them where empty.
         known_at_joint: Number of a cylinder's record that holds the same of its joint: where the rig has it there, it is not asked.
         bursts: False where its law passes no fast bursts: beside a pressure that rings it is not named.
+        partly_open: True where only a valve that is held partly open shows it: a spool that is thrown from end to end passes there in
+            milliseconds, and the times of its lag say the same.
     """
 
     commanded: bool = False
@@ -45,6 +47,7 @@ class Applicability:
     places: tuple[str, ...] = ()
     known_at_joint: str = ""
     bursts: bool = True
+    partly_open: bool = False
 
 
 @dataclass(frozen=True)

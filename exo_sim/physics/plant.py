@@ -226,7 +226,7 @@ def step(world, cylinders, joints, vector, history, x0, x1, q0, q1, command, dt,
             held = delayed(history[i, :size], newest, lag.delay, dt)
             if lag.closing_delay != 0.0:
                 let_go = delayed(history[i, :size], newest, valve_lag.let_go_after(lag), dt)
-                held = valve_lag.arrived(held, let_go, lag.closing_delay)
+                held = valve_lag.arrived(held, let_go, lag.closing_delay, lag.reversal)
         late[i] = held
     if not advance(world, cylinders, vector, x0, x1, late, dt, work, scratch, True):
         return TOO_FAST

@@ -100,6 +100,12 @@ class CylinderRun:
         return bool(self.commanded and changes.size > 0 and changes.min() > SWITCHED_OVER)
 
     @property
+    def is_never_partly_open(self) -> bool:
+        """Whether the commands hold the valve closed or at its ends and nowhere between."""
+        sizes = np.abs(np.concatenate([self.towards(side) for side in (0, 1)]))
+        return self.commanded and bool(((sizes < SMALL_COMMAND) | (sizes > 1.0 - SMALL_COMMAND)).all())
+
+    @property
     def moves(self) -> bool:
         """Whether the piston moves, as far as its position was recorded."""
         return self.length is not None and float(np.ptp(self.length)) > STILL_LENGTH

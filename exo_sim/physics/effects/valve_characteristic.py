@@ -6,6 +6,7 @@ import math
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability
 
 #: Power by which the bent part of an opening grows where none is given: notches and round ports near their middle.
 _POWER = 2.0
@@ -43,6 +44,7 @@ EFFECT = Effect(
     valid="all four edges are cut alike, and an edge passes what its opening says at any pressure.",
     signature="fills at small and at large commands ask for valves of different size; which it is does not depend on pressure",
     identification=Identification(
+        applicability=Applicability(partly_open=True),
         forms=(("curvature",), ("curvature", "exponent")),
         starts=((0.3, 2.0), (-0.3, 2.0)),
         least={"curvature": 0.15},

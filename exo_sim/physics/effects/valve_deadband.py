@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability
 
 EFFECT = Effect(
     name="valve_deadband",
@@ -26,7 +27,10 @@ EFFECT = Effect(
     ),
     valid="overlap is the same on both sides, flow beyond it goes with the command, and supply and exhaust edges open together.",
     signature="the command crosses zero without an answer in pressure; flow starts at the width",
-    identification=Identification(jerky=True, starts=((0.01,), (0.025,), (0.05,), (0.1,)), healthy={"width": (1e-3, 2.5e-3)}),
+    identification=Identification(
+        applicability=Applicability(partly_open=True), jerky=True, starts=((0.01,), (0.025,), (0.05,), (0.1,)),
+        healthy={"width": (1e-3, 2.5e-3)},
+    ),
 )
 
 

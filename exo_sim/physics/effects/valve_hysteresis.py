@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.identification import Applicability
 
 EFFECT = Effect(
     name="valve_hysteresis",
@@ -26,7 +27,10 @@ EFFECT = Effect(
     ),
     valid="the loop has one width at every command and rate, turning points leave no trace (play, not Preisach).",
     signature="flow against command is a loop of constant width, whatever the rate",
-    identification=Identification(jerky=True, starts=((0.005,), (0.012,), (0.025,), (0.05,), (0.1,)), least={"width": 0.0025}),
+    identification=Identification(
+        applicability=Applicability(partly_open=True), jerky=True, starts=((0.005,), (0.012,), (0.025,), (0.05,), (0.1,)),
+        least={"width": 0.0025},
+    ),
 )
 
 

@@ -8,6 +8,9 @@ from collections.abc import Mapping
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 
+#: How a spool gets straight from one side to the other: magnets let go and pull, or a spring moves it from plus to minus.
+REVERSALS = ("magnets", "spring")
+
 #: A spool this near to critical damping is taken to be critically damped: share of the square of its decay rate.
 _CRITICAL = 1e-8
 
@@ -15,7 +18,11 @@ _CRITICAL = 1e-8
 def _check(place: str, parameters: Mapping[str, float], curves: Mapping[str, tuple[float, ...]]) -> str:
     """Return what is wrong with the values together, "" where nothing is: without a time constant there is none to be shaped."""
     lacking = [name for name in ("closing_excess", "inertia") if parameters.get(name) and parameters.get("time_constant", 0.0) <= 0.0]
-    return f"{lacking[0]} shapes time_constant; give that as well, or leave {lacking[0]} out" if lacking else ""
+    if lacking:
+        return f"{lacking[0]} shapes time_constant; give that as well, or leave {lacking[0]} out"
+    if parameters.get("reversal") and not parameters.get("closing_delay"):
+        return "reversal says which way a closing_delay is waited for; give that as well, or leave reversal out"
+    return ""
 
 
 def _closing_of_another_length(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
@@ -53,6 +60,10 @@ EFFECT = Effect(
             required=False,
         ),
         Parameter(
+            "reversal", "1", 0, 1, (0, 1), "valves with three positions and a magnet at either end, or with two and a spring",
+            required=False, choices=REVERSALS, shapes="closing_delay",
+        ),
+        Parameter(
             "closing_excess", "1", -0.9, 9.0, (-0.3, 1.2),
             "time to close over time to open, less one: a solenoid works against its spring and the pressure one way only "
             "(doi 10.1177/0020294019866853); 0.4-1.2 of valves whose data sheets give both (estimate)", required=False,
@@ -74,8 +85,10 @@ EFFECT = Effect(
     convention=(
         "the command first waits for the delay, then the spool follows it in first order; a rate limit comes "
         "after that. On its way back to the centre the spool follows with (1 + closing_excess) time_constant, away from it, and on from "
-        "the centre where it passes it, with time_constant. A command that goes back to the centre waits for closing_delay as well, "
-        "and so does one straight from plus to minus, as of a valve with two positions; none arrives before it is given. "
+        "the centre where it passes it, with time_constant. A command that goes back to the centre waits for closing_delay as well; "
+        "none arrives before it is given. So does one straight from one side to the other, until the magnet that held the spool has let "
+        "go, and where that is sooner than the other pulls the spool is at its centre meanwhile; with a spring as reversal, as of a "
+        "valve with two positions, only one from plus to minus waits. "
         "With an inertia the spool is of second order, "
         "inertia T^2 x'' + T x' + x = u with T = time_constant: its damping ratio is 1/(2 sqrt(inertia)), its natural frequency "
         "1/(2 pi T sqrt(inertia)); full opening is where it stops."
@@ -113,27 +126,31 @@ def let_go_after(p) -> float:
 
 
 @kernel
-def arrived(prompt: float, let_go: float, closing_delay: float) -> float:
+def arrived(prompt: float, let_go: float, closing_delay: float, reversal: float) -> float:
     """Return the command that has arrived, of that after the delay and that after delay and closing delay: the wider while it closes later.
 
-    Straight from one side to the other, as of a valve with two positions, from plus to minus counts as closing.
+    Straight from one side to the other it is the old one until its magnet lets go, and none until the other pulls; of a valve with two
+    positions, which a spring moves from plus to minus, that way alone closes it.
 
     Args:
         prompt, let_go: Commands after the delay, and after both.
         closing_delay: [s].
+        reversal: How the spool gets straight from one side to the other, of `REVERSALS`.
     """
     if prompt * let_go < 0.0:
-        return max(prompt, let_go) if closing_delay > 0.0 else min(prompt, let_go)
+        if reversal > 0.0:
+            return max(prompt, let_go) if closing_delay > 0.0 else min(prompt, let_go)
+        return let_go if closing_delay > 0.0 else 0.0
     wider = abs(let_go) > abs(prompt)
     return let_go if wider == (closing_delay > 0.0) else prompt
 
 
 @kernel
-def all_arrived(prompt, let_go, closing_delay: float, out) -> None:
+def all_arrived(prompt, let_go, closing_delay: float, reversal: float, out) -> None:
     """Write the commands that have arrived (`arrived`), of arrays of one shape, (n, m)."""
     for i in range(prompt.shape[0]):
         for j in range(prompt.shape[1]):
-            out[i, j] = arrived(prompt[i, j], let_go[i, j], closing_delay)
+            out[i, j] = arrived(prompt[i, j], let_go[i, j], closing_delay, reversal)
 
 
 @kernel

@@ -115,6 +115,14 @@ def test_a_valve_that_is_only_switched_over(command: np.ndarray, switched: bool)
     assert not cylinder_runs.run_of(pressure, command=command, commanded=False).is_switched
 
 
+@pytest.mark.parametrize(("size", "never"), [(1.0, True), (0.97, True), (0.6, False)])
+def test_whether_a_valve_is_ever_held_partly_open(size: float, never: bool) -> None:
+    pressure = np.full(60, 3e5)
+    command = size * np.sign(np.sin(np.arange(60) / 5.0)) * (np.arange(60) % 20 > 4)
+    assert cylinder_runs.run_of(pressure, command=command, commanded=True).is_never_partly_open is never
+    assert not cylinder_runs.run_of(pressure, command=command, commanded=False).is_never_partly_open
+
+
 @pytest.mark.parametrize(
     ("command", "commanded", "stays"), [(0.8, True, True), (0.8, False, False), (0.0, True, False), (-0.3, True, True)]
 )

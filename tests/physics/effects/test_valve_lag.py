@@ -120,6 +120,13 @@ def test_a_shape_without_a_time_constant_is_refused(shape: str) -> None:
     assert check("cylinder", {"time_constant": 5e-3, shape: 0.5}, {}) == check("cylinder", {"delay": 5e-3}, {}) == ""
 
 
+def test_how_a_spool_changes_sides_says_nothing_without_a_closing_delay() -> None:
+    check = valve_lag.EFFECT.check
+    assert check is not None
+    assert "closing_delay" in check("cylinder", {"delay": 5e-3, "reversal": 1.0}, {})
+    assert check("cylinder", {"delay": 5e-3, "closing_delay": 4e-3, "reversal": 1.0}, {}) == ""
+
+
 @pytest.mark.parametrize(("delay", "closing", "after"), [(3e-3, -2e-3, 1e-3), (3e-3, 8e-3, 11e-3), (0.0, 2e-3, 2e-3), (1e-3, -2e-3, 0.0)])
 def test_no_valve_closes_before_it_is_told(delay: float, closing: float, after: float) -> None:
     record = np.zeros(1, CYLINDER)["valve_lag"]

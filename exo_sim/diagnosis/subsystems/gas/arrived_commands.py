@@ -26,7 +26,7 @@ class ArrivedCommands:
     first: Array
 
 
-def let_go_later(time: Array, commands: Array, closing: float) -> tuple[Array, Array]:
+def let_go_later(time: Array, commands: Array, closing: float, reversal: float) -> tuple[Array, Array]:
     """Return held commands, shape (n, m), that close a valve `closing` seconds later than they open it: when they change, and to what."""
     later = time + closing
     there = np.union1d(time, later)
@@ -35,12 +35,14 @@ def let_go_later(time: Array, commands: Array, closing: float) -> tuple[Array, A
         return commands[np.clip(np.searchsorted(clock, there, side="right") - 1, 0, len(time) - 1)]
 
     found = np.empty((there.size, commands.shape[1]))
-    valve_lag.all_arrived(held(time), held(later), closing, found)
+    valve_lag.all_arrived(held(time), held(later), closing, reversal, found)
     return there, found
 
 
-def late_commands(time: Array, commands: Array, delay: float, closing: float = 0.0) -> ArrivedCommands:
+def late_commands(time: Array, commands: Array, delay: float, closing: float = 0.0, reversal: float = 0.0) -> ArrivedCommands:
     """Return held commands, shape (n, 2), that arrive `delay` seconds late, and `closing` later still where they close the valve.
+
+    How the spool gets straight from one side to the other is `reversal`, of `valve_lag.REVERSALS`.
 
     A valve that is switched over in the middle of a step passes neither what it does at the mean command nor, behind a dead-band,
     anything like it: the step has two parts, divided where the largest change arrives.
@@ -50,7 +52,7 @@ def late_commands(time: Array, commands: Array, delay: float, closing: float = 0
         return ArrivedCommands(np.hstack([commands, commands]), np.zeros(n))
     mirrored = np.array_equal(commands[:, 1], -commands[:, 0])  # one spool serves both chambers: so are the means
     held = commands[:, :1] if mirrored else commands
-    changed, held = (time, held) if closing == 0.0 else let_go_later(time, held, closing)
+    changed, held = (time, held) if closing == 0.0 else let_go_later(time, held, closing, reversal)
     sides = [np.ascontiguousarray(side) for side in held.T]
     edges = np.append(time, 2 * time[-1] - time[-2]) - delay
     steps = np.diff(changed)

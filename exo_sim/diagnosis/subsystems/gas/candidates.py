@@ -31,6 +31,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
     commanded = valve and any(run.commanded for run in runs)
     steered = commanded and not all(run.stays_open for run in runs)
     switched = steered and all(run.is_switched for run in runs if run.commanded)
+    thrown = switched and all(run.is_never_partly_open for run in runs if run.commanded)
     moves = any(run.moves for run in runs)
     measured, contained = measured_places(runs), plant.contained_effects
     single = float(plant.cylinder["single_acting"][0]) > 0.0
@@ -42,7 +43,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             continue
         if (sense.commanded and not commanded) or ("valve_command" in effect.needs and not steered):
             continue
-        if (sense.moving and not moves) or (sense.two_chambers and single):
+        if (sense.moving and not moves) or (sense.two_chambers and single) or (sense.partly_open and thrown):
             continue
         if plant.is_on(effect):
             found += _left_open(effect, cylinder, plant)
@@ -168,20 +169,16 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
         is_law=effect.identification.is_law,
         shapes=effect.identification.shapes[form](min(dead)) if form in effect.identification.shapes and dead else (),
     )
-    choices = [parameter for parameter in effect.parameters if parameter.choices]
+    choices = [parameter for parameter in effect.parameters if parameter.choices and (not parameter.shapes or parameter.shapes in form)]
     if not choices:
         return [one]
-    return [
-        replace(
-            one,
-            form=one.form + "".join(f",{p.name}={p.choices[c]}" for p, c in zip(choices, chosen, strict=True)),
-            fixed=(
-                *held,
-                *((_free(effect, p, where, target, plant), float(c)) for p, c in zip(choices, chosen, strict=True)),
-            ),
-        )
-        for chosen in itertools.product(*(range(len(p.choices)) for p in choices))
-    ]
+    found = []
+    for chosen in itertools.product(*(range(len(p.choices)) for p in choices)):
+        # the first choice of what shapes another parameter is not held: the form goes on from the one without both
+        told = [(p, c) for p, c in zip(choices, chosen, strict=True) if c or not p.shapes]
+        fixed = (*held, *((_free(effect, p, where, target, plant), float(c)) for p, c in told))
+        found.append(replace(one, form=one.form + "".join(f",{p.name}={p.choices[c]}" for p, c in told), fixed=fixed))
+    return found
 
 
 def _typical(parameter: Parameter, share: float) -> float:

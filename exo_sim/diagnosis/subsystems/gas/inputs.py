@@ -64,7 +64,7 @@ class GasInputs:
     windows: Windows
     command_2: Array
     hose_step: float = 0.0
-    _delayed: OrderedDict[tuple[float, float], ArrivedCommands] = field(default_factory=OrderedDict)
+    _delayed: OrderedDict[tuple[float, float, float], ArrivedCommands] = field(default_factory=OrderedDict)
     _lock: Lock = field(default_factory=Lock)
 
     @cached_property
@@ -72,19 +72,21 @@ class GasInputs:
         """Usual time between two samples [s]."""
         return float(np.median(np.diff(self.time)))
 
-    def command_after(self, delay: float, closing: float = 0.0) -> ArrivedCommands:
+    def command_after(self, delay: float, closing: float = 0.0, reversal: float = 0.0) -> ArrivedCommands:
         """Return the commands towards both chambers as they reach the valve `delay` seconds late, and `closing` later still to close it.
+
+        How a spool gets straight from one side to the other is `reversal`, of `valve_lag.REVERSALS`.
 
         Of commands that are samples of a quicker loop those between two are about their mean: as if each were held from half a sample
         before it on.
         """
         delay -= 0.5 * self.period if self.run.sampled else 0.0
-        key = delay, closing
+        key = delay, closing, reversal
         with self._lock:
             if key in self._delayed:
                 self._delayed.move_to_end(key)
                 return self._delayed[key]
-        found = late_commands(self.time, np.stack([self.command, self.command_2], axis=1), delay, closing)
+        found = late_commands(self.time, np.stack([self.command, self.command_2], axis=1), *key)
         with self._lock:
             self._delayed[key] = found
             while len(self._delayed) > max(1, MOST_KEPT // len(self.time)):

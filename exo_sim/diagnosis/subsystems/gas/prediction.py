@@ -262,7 +262,7 @@ def run_gas(
     out, inside, drawn, temperature = np.empty((n, 2)), np.empty((rest, 2)), np.zeros(rest), np.empty((rest, 2))
     lag = cylinder[valve_lag.EFFECT.name][0]
     delay = float(lag["delay"])
-    arrived = feed.command_after(delay + card_delay, valve_lag.let_go_after(lag) - delay)
+    arrived = feed.command_after(delay + card_delay, valve_lag.let_go_after(lag) - delay, float(lag["reversal"]))
     gap = max(GAP, windows.JUMP * usual)
     width = float(cylinder[valve_hysteresis.EFFECT.name]["width"][0])
 

@@ -11,6 +11,7 @@ from physics.stepping import hold
 
 from exo_sim.diagnosis.subsystems.gas.arrived_commands import late_commands
 from exo_sim.physics import state
+from exo_sim.physics.effects import valve_lag
 from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder, paper_world
 
 
@@ -89,10 +90,26 @@ def test_a_simulated_valve_opens_and_closes_as_a_predicted_one(closing: float, o
     np.testing.assert_allclose(late.command[:, 2], spools, atol=1e-12)
 
 
-def test_a_valve_with_two_positions_closes_from_plus_to_minus() -> None:
+MAGNETS, SPRING = (valve_lag.REVERSALS.index(one) for one in ("magnets", "spring"))
+
+
+@pytest.mark.parametrize("closing", [4e-3, -4e-3])
+def test_a_valve_with_two_positions_closes_from_plus_to_minus(closing: float) -> None:
     time: NDArray[np.float64] = np.arange(60, dtype=np.float64) * 1e-3
     command: NDArray[np.float64] = np.where((time > 9.5e-3) & (time < 29.5e-3), 1.0, -1.0)
-    for closing in (4e-3, -4e-3):
-        late = late_commands(time, np.stack([command, -command], axis=1), 5e-3, closing).command[:, 2:]
-        np.testing.assert_array_equal(late[:, 1], -late[:, 0])
-        np.testing.assert_allclose(late[:, 0], np.where((time > 14.5e-3) & (time < 34.5e-3 + closing), 1.0, -1.0))
+    late = late_commands(time, np.stack([command, -command], axis=1), 5e-3, closing, SPRING).command[:, 2:]
+    np.testing.assert_array_equal(late[:, 1], -late[:, 0])
+    np.testing.assert_allclose(late[:, 0], np.where((time > 14.5e-3) & (time < 34.5e-3 + closing), 1.0, -1.0))
+
+
+@pytest.mark.parametrize("closing", [4e-3, -4e-3])
+def test_a_valve_with_three_positions_leaves_either_side_when_its_magnet_lets_go(closing: float) -> None:
+    """Until then it stays there, and where that is before the other magnet pulls the spool is at its centre meanwhile."""
+    time: NDArray[np.float64] = np.arange(60, dtype=np.float64) * 1e-3
+    command: NDArray[np.float64] = np.where((time > 9.5e-3) & (time < 29.5e-3), 1.0, -1.0)
+    late = late_commands(time, np.stack([command, -command], axis=1), 5e-3, closing, MAGNETS).command[:, 2:]
+    for prompt, side, during in ((14.5e-3, 1.0, (time > 5e-3) & (time < 24.5e-3)), (34.5e-3, -1.0, time > 24.5e-3)):
+        gone, come = sorted((prompt, prompt + closing))
+        between = 0.0 if closing < 0.0 else -side
+        np.testing.assert_allclose(late[during, 0], np.where(time < gone, -side, np.where(time < come, between, side))[during], atol=1e-12)
+    np.testing.assert_array_equal(late[:, 1], -late[:, 0])

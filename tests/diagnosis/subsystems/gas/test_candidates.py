@@ -174,6 +174,18 @@ def test_what_is_asked_only_of_a_found_effect_begins_where_that_ended() -> None:
     assert [start[1] for start in closing.starts] == [0.6, -0.3]
 
 
+@pytest.mark.parametrize(("size", "asked"), [(1.0, False), (0.6, True)])
+def test_a_valve_that_is_only_thrown_from_end_to_end_is_not_asked_what_it_does_between(size: float, asked: bool) -> None:
+    plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
+    plant.cylinder["valve_area"], plant.cylinder["area_1"], plant.cylinder["stroke"] = 2e-6, 8e-4, 0.2
+    level, command = np.full(50, 3e5), size * (np.arange(50) % 10 < 5)
+    run = cylinder_runs.run_of(level, level, command=command, commanded=True)
+    found = {one.effect for one in candidates(plant, [run], "piston", "slide")}
+    between = {"valve_deadband", "valve_hysteresis", "valve_characteristic"}
+    assert (between <= found, bool(between & found)) == (asked, asked)
+    assert {"valve_lag", "spool_rate_limit", "valve_edges"} <= found
+
+
 @pytest.mark.parametrize(("command", "at_once"), [(np.arange(50) % 10 < 5, True), (np.linspace(-0.2, 0.2, 50), False)])
 def test_whether_a_valve_closes_later_is_asked_at_once_where_commands_only_switch(command: np.ndarray, at_once: bool) -> None:
     plant = PlantParameters(np.zeros(1, WORLD), np.zeros(1, CYLINDER))
@@ -183,3 +195,6 @@ def test_whether_a_valve_closes_later_is_asked_at_once_where_commands_only_switc
     assert len({one.key for one in found}) == len(found)  # a set of findings names each of them once
     (closing,) = [one for one in found if one.form == "delay+closing_delay"]
     assert (not closing.further) is at_once
+    (spring,) = [one for one in found if one.form == "delay+closing_delay,reversal=spring"]
+    assert closing.fixed == () and [(q.parameter, value) for q, value in spring.fixed] == [("reversal", 1.0)]
+    assert not [one for one in found if "reversal" in one.form and "closing_delay" not in one.form]

@@ -65,7 +65,15 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
                 made = [replace(one, further=frozenset(values)) for one in _begun_at(effect, cylinder, form, values, plant)]
                 found += [_beyond_a_sample(one, period) for one in made]
     found += _sensor_faults(runs, cylinder, joint, moves)
-    return tuple(found)
+    asked = {one.effect for one in found}
+    return tuple(one if one.prerequisite in asked else _without_what_is_not_asked(one) for one in found)
+
+
+def _without_what_is_not_asked(candidate: Candidate) -> Candidate:
+    """Return a candidate that stands alone where what it would come on top of is not asked; of what it acts through it stays a part."""
+    effect = declared().get(candidate.effect)
+    alone = effect is not None and candidate.prerequisite == effect.identification.on_top_of
+    return replace(candidate, prerequisite="") if alone else candidate
 
 
 def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Candidate]:

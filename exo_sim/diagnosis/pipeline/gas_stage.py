@@ -39,7 +39,10 @@ from exo_sim.diagnosis.subsystems.gas.model import GasModel
 from exo_sim.diagnosis.subsystems.gas.nuisances import healthy_walls, known_effects, nuisance_parameters, with_measured_supply
 from exo_sim.rig import assembly
 
-_ENDED = "the search of its gas ended after the most predictions that are made; what it found until then is the answer"
+_ENDED = (
+    "the search of its gas ended after the most predictions that are made; what it found until then is the answer, what it did not come to "
+    "is not ruled out, and of a shorter recording more is asked"
+)
 
 
 @dataclass(frozen=True)

@@ -190,12 +190,36 @@ def delayed(history, newest, delay, dt):
         delay: Seconds.
         dt: Seconds a step.
     """
+    before, after, part = halves(history, newest, delay, dt)
+    return after if part == 0.0 else (1.0 - part) * after + part * before
+
+
+@kernel
+def halves(history, newest, delay, dt):
+    """Return what has arrived in the beginning of the coming step, what arrives in it, and after which share of it; as of `delayed`."""
     steps = delay / dt
     whole = math.floor(steps)
-    part = steps - whole
-    size = history.size
-    late = history[(newest - whole) % size]
-    return late if part == 0.0 else (1.0 - part) * late + part * history[(newest - whole - 1) % size]
+    return history[(newest - whole - 1) % history.size], history[(newest - whole) % history.size], steps - whole
+
+
+@kernel
+def arrived_late(history, newest, lag, dt):
+    """Return the mean over the coming step of a held command that closes the valve later, or earlier, than it opens it.
+
+    The step is divided where either arrives: of two means it is not known which went together.
+
+    Args:
+        history, newest, dt: As of `delayed`.
+        lag: Parameters of `valve_lag`.
+    """
+    prompt, pulled, first = halves(history, newest, lag.delay, dt)
+    held, let_go, second = halves(history, newest, valve_lag.let_go_after(lag), dt)
+    closing, reversal = lag.closing_delay, lag.reversal
+    begins, ends = min(first, second), max(first, second)
+    mean = begins * valve_lag.arrived(prompt, held, closing, reversal) + (1.0 - ends) * valve_lag.arrived(pulled, let_go, closing, reversal)
+    if first < second:
+        return mean + (ends - begins) * valve_lag.arrived(pulled, held, closing, reversal)
+    return mean + (ends - begins) * valve_lag.arrived(prompt, let_go, closing, reversal)
 
 
 @inlined_kernel
@@ -223,10 +247,10 @@ def step(world, cylinders, joints, vector, history, x0, x1, q0, q1, command, dt,
             history[i, size] = newest
             history[i, newest] = held
             lag = cylinders[i % n].valve_lag
-            held = delayed(history[i, :size], newest, lag.delay, dt)
             if lag.closing_delay != 0.0:
-                let_go = delayed(history[i, :size], newest, valve_lag.let_go_after(lag), dt)
-                held = valve_lag.arrived(held, let_go, lag.closing_delay, lag.reversal)
+                held = arrived_late(history[i, :size], newest, lag, dt)
+            else:
+                held = delayed(history[i, :size], newest, lag.delay, dt)
         late[i] = held
     if not advance(world, cylinders, vector, x0, x1, late, dt, work, scratch, True):
         return TOO_FAST

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import textwrap
+from collections.abc import Sequence
 
-from exo_sim.diagnosis.findings import Finding
+from exo_sim.diagnosis.findings import Estimate, Finding
 from exo_sim.report import amounts, diagnosis_words
 
 WIDTH = 110
-#: So many numbers of a finding stand in its line, those that are furthest from nil; of the others it is said how many they are.
+#: So many numbers of a finding stand in its line, those that are furthest from none of it; of the others it is said how many they are.
 MOST_NUMBERS = 3
 
 
@@ -33,7 +34,7 @@ def brief(finding: Finding) -> list[str]:
     numbers, estimates = diagnosis_words.numbers(finding), diagnosis_words.estimates(finding).values()
     off = [finding.kind == "calibration" and estimate.unit in ("", "1") for estimate in estimates]
     shown = [f"{name} {'× ' if by else ''}{value} (95 %: {span})" for (name, value, span), by in zip(numbers, off, strict=True)]
-    told = [shown[i] for i in _furthest_from_nil(finding)] or [finding.says.rstrip(".")]
+    told = [shown[i] for i in _furthest(list(estimates), [float(by) for by in off])] or [finding.says.rstrip(".")]
     left = len(numbers) - MOST_NUMBERS
     more = [f"{left} number{'s' if left > 1 else ''} more in the report"] if left > 0 else []
     sure = [f"probability {100.0 * finding.confidence:.0f} %"] if finding.log10_odds else []
@@ -41,13 +42,17 @@ def brief(finding: Finding) -> list[str]:
     return wrapped(f"{name} at {finding.where}: {'; '.join([*told, *more, *sure])}", "  ")
 
 
-def _furthest_from_nil(finding: Finding) -> list[int]:
-    """Return which numbers of a finding stand in its line, in their order: those that are the most half intervals from nil."""
-    estimates = list(diagnosis_words.estimates(finding).values())
+def _furthest(estimates: Sequence[Estimate], none: Sequence[float]) -> list[int]:
+    """Return which numbers of a finding stand in its line, in their order: those that are the most half intervals from none of it.
+
+    Args:
+        estimates: The numbers.
+        none: What each is where the finding is absent: 0, and 1 of a factor.
+    """
 
     def apart(i: int) -> float:
         half = 0.5 * (estimates[i].high - estimates[i].low)
-        return abs(estimates[i].value) / half if half > 0.0 else math.inf
+        return abs(estimates[i].value - none[i]) / half if half > 0.0 else math.inf
 
     return sorted(sorted(range(len(estimates)), key=apart, reverse=True)[:MOST_NUMBERS])
 

@@ -26,6 +26,13 @@ def test_of_many_numbers_those_furthest_from_nil_stand_in_it() -> None:
     assert said.index("overlap 0") < said.index("excess exhaust 1") < said.index("excess exhaust 2") < said.index("2 numbers more")
 
 
+def test_a_factor_of_one_is_none_of_it() -> None:
+    usual = {f"volume_{i}": Estimate(1.0001, "1", 1.0, 1.0002) for i in range(3)}
+    off = {"volume_3": Estimate(1.4, "1", 1.2, 1.6)}
+    volumes = Finding("dead_volume", "piston", Kind.CALIBRATION, "Off.", {**usual, **off}, 9.0, 0.0)
+    assert "volume 3" in " ".join(finding_lines.brief(volumes))
+
+
 def test_of_many_numbers_some_stand_in_it_and_without_one_what_is_said() -> None:
     four = {f"overlap_{i}": Estimate(0.02, "1", 0.01, 0.03) for i in range(4)}
     edges = Finding("valve_edges", "piston", Kind.MISSING_PHYSICS, "Edges differ.", four, 9.0, 0.0)

@@ -100,6 +100,12 @@ class CylinderRun:
         return bool(self.commanded and changes.size > 0 and changes.min() > SWITCHED_OVER)
 
     @property
+    def changes_sides(self) -> bool:
+        """Whether a command ever switches the valve straight from one side to the other."""
+        sides = (self.towards(side) for side in (0, 1))
+        return self.commanded and any(bool(((u[1:] * u[:-1] < 0.0) & (np.abs(np.diff(u)) > SWITCHED_OVER)).any()) for u in sides)
+
+    @property
     def is_never_partly_open(self) -> bool:
         """Whether the commands hold the valve closed or at its ends and nowhere between."""
         sizes = np.abs(np.concatenate([self.towards(side) for side in (0, 1)]))

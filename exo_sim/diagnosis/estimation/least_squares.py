@@ -29,9 +29,9 @@ EXACT_FOR = 1e-5
 TOLERANCE = 2e-3
 #: Largest step in the logarithm of a parameter.
 LARGEST_LOG_STEP = 1.2
-#: So many steps, each more damped than the one before, are tried in turn, and as many more as promise more than the tolerance. A law may
-#: bend within a hundredth of what its neighbours' slopes ask for: of the speed over which a contact begins to slide, friction of 28 N
-#: known to 0.2 N asked for 58 times as much as there was, and the fit ended where it began, with 408 for 310 that it reaches.
+#: So many damped steps are always tried, and up to so many in all while the linear model promises more than the tolerance. A law may bend
+#: within a hundredth of what its slope asks for: of the second machine of Cantera's draw 2811282, friction of 28 N known to 0.2 N, the
+#: speed at which the contact slides was to be 58 times what it was; the fit ended where it began, with a squared error of 408 for 265 rows.
 SURE_ATTEMPTS, MOST_ATTEMPTS = 5, 10
 #: Residual that replaces one that is not finite, in units of the noise.
 WORST = 1e4

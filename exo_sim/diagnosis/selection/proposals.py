@@ -159,7 +159,7 @@ class Proposals:
     def further(self, candidate: Candidate, now: FittedModel) -> list[Candidate]:
         """Return forms in which the law of a finding goes on, to begin where it ended."""
         own, found = set(candidate.parameters), []
-        for form in (c for c in self._further if (c.at, c.fixed) == (candidate.at, candidate.fixed)):
+        for form in (c for c in self._further if c.at == candidate.at and set(candidate.fixed) <= set(c.fixed)):
             new = set(form.parameters) - own
             if own < set(form.parameters) and _names(new) <= form.further:
                 starts = dict.fromkeys(

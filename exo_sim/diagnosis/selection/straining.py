@@ -62,11 +62,11 @@ def _is_left_to_others(candidate: Candidate, plain: FittedModel, without: Fitted
     if without.fit.sse > fits.model.discrepancy_bound**2 * fits.model.size:
         return False
     family = family_of(candidate.effect)
-    known = [q for q in fits.nuisances if (family and family_of(q.effect) == family) or _is_its_twin(q, candidate)]
+    known = [q for q in fits.nuisances if (family and family_of(q.effect) == family) or _is_the_constant_force_beside(q, candidate)]
     return _strain(plain, known) - _strain(without, known) > STRAINING
 
 
-def _is_its_twin(parameter: FreeParameter, candidate: Candidate) -> bool:
+def _is_the_constant_force_beside(parameter: FreeParameter, candidate: Candidate) -> bool:
     """Return whether a number is the constant force beside which a poorer effect looks like this one."""
     effect = candidate.effect
     return parameter.effect == FORCE_OFFSET and effect in declared() and bool(identification_of(effect).twins.beside_constant)

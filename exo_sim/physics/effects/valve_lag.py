@@ -8,8 +8,8 @@ from collections.abc import Mapping
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 
-#: How a spool gets straight from one side to the other: magnets let go and pull, or a spring moves it from plus to minus.
-REVERSALS = ("magnets", "spring")
+#: How a spool gets straight from one side to the other: over its centre, to which springs move it, or one way by a spring alone.
+REVERSALS = ("spring_centred", "spring_return")
 
 #: A spool this near to critical damping is taken to be critically damped: share of the square of its decay rate.
 _CRITICAL = 1e-8
@@ -20,7 +20,7 @@ def _check(place: str, parameters: Mapping[str, float], curves: Mapping[str, tup
     lacking = [name for name in ("closing_excess", "inertia") if parameters.get(name) and parameters.get("time_constant", 0.0) <= 0.0]
     if lacking:
         return f"{lacking[0]} shapes time_constant; give that as well, or leave {lacking[0]} out"
-    if parameters.get("reversal") and not parameters.get("closing_delay"):
+    if "reversal" in parameters and not parameters.get("closing_delay"):
         return "reversal says which way a closing_delay is waited for; give that as well, or leave reversal out"
     return ""
 
@@ -60,7 +60,7 @@ EFFECT = Effect(
             required=False,
         ),
         Parameter(
-            "reversal", "1", 0, 1, (0, 1), "valves with three positions and a magnet at either end, or with two and a spring",
+            "reversal", "1", 0, 1, (0, 1), "5/3 double solenoid valves, spring-centred; 5/2 single solenoid valves with spring return",
             required=False, choices=REVERSALS, shapes="closing_delay",
         ),
         Parameter(
@@ -86,15 +86,17 @@ EFFECT = Effect(
         "the command first waits for the delay, then the spool follows it in first order; a rate limit comes "
         "after that. On its way back to the centre the spool follows with (1 + closing_excess) time_constant, away from it, and on from "
         "the centre where it passes it, with time_constant. A command that goes back to the centre waits for closing_delay as well; "
-        "none arrives before it is given. So does one straight from one side to the other, until the magnet that held the spool has let "
-        "go, and where that is sooner than the other pulls the spool is at its centre meanwhile; with a spring as reversal, as of a "
-        "valve with two positions, only one from plus to minus waits. "
+        "none arrives before it is given. Straight from one side to the other a spring-centred spool stays until its solenoid has let go, "
+        "and is at its centre meanwhile where that is before the other one pulls. One with a spring return, plus where its solenoid is "
+        "energised and minus where it is not, closes from plus to minus alone; of one that is energised at minus turn the sign of the "
+        "command. "
         "With an inertia the spool is of second order, "
         "inertia T^2 x'' + T x' + x = u with T = time_constant: its damping ratio is 1/(2 sqrt(inertia)), its natural frequency "
         "1/(2 pi T sqrt(inertia)); full opening is where it stops."
     ),
     valid=(
-        "steps of every size take as long, and as long up as down without a closing_excess and a closing_delay; without an inertia no "
+        "steps of every size take as long, and as long up as down without a closing_excess and a closing_delay; beside a closing_delay no "
+        "command is held for less than it, and no spool stays where it is without a solenoid (bistable valves do); without an inertia no "
         "overshoot: a spool on a spring has one above its own frequency."
     ),
     signature="onset of dP/dt rounded and late, in proportion to nothing but time",
@@ -129,8 +131,8 @@ def let_go_after(p) -> float:
 def arrived(prompt: float, let_go: float, closing_delay: float, reversal: float) -> float:
     """Return the command that has arrived, of that after the delay and that after delay and closing delay: the wider while it closes later.
 
-    Straight from one side to the other it is the old one until its magnet lets go, and none until the other pulls; of a valve with two
-    positions, which a spring moves from plus to minus, that way alone closes it.
+    Straight from one side to the other it is the old one until its solenoid lets go, and none until the other pulls; of a valve with
+    spring return only from plus to minus closes it.
 
     Args:
         prompt, let_go: Commands after the delay, and after both.

@@ -115,6 +115,16 @@ def test_a_valve_that_is_only_switched_over(command: np.ndarray, switched: bool)
     assert not cylinder_runs.run_of(pressure, command=command, commanded=False).is_switched
 
 
+@pytest.mark.parametrize(
+    ("command", "changes"),
+    [(np.where(np.arange(60) % 20 < 9, 1.0, -1.0), True), (np.arange(60) % 20 < 9, False), (np.sin(np.arange(60) / 9.0), False)],
+    ids=["thrown across", "on and off", "slowly across"],
+)  # fmt: skip
+def test_whether_a_command_switches_straight_from_one_side_to_the_other(command: np.ndarray, changes: bool) -> None:
+    run = cylinder_runs.run_of(np.full(60, 3e5), command=command.astype(float), commanded=True)
+    assert run.changes_sides is changes
+
+
 @pytest.mark.parametrize(("size", "never"), [(1.0, True), (0.97, True), (0.6, False)])
 def test_whether_a_valve_is_ever_held_partly_open(size: float, never: bool) -> None:
     pressure = np.full(60, 3e5)

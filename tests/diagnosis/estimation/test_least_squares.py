@@ -59,10 +59,9 @@ def test_a_jacobian_that_was_differenced_where_a_fit_ended_is_not_differenced_ag
 
 
 def test_a_law_that_bends_long_before_its_slope_is_followed_up_is_fitted_all_the_same() -> None:
-    """Its slope asks for steps a hundred times as long as what lowers the error."""
-    found = fit(lambda values: np.array([1.0 - values[A], (values[A] / 0.05) ** 2]), (A,), {A: 0.0}, max_iterations=40)
-    lowest = min((1.0 - a) ** 2 + (a / 0.05) ** 4 for a in np.linspace(0.0, 0.1, 1001))
-    assert found.sse == pytest.approx(lowest, rel=3e-3)
+    """Its slope asks for steps twenty times as long as what lowers the error; no more than five damped ones leave it where it began."""
+    found = fit(lambda values: np.array([1.0 - values[A], 1000.0 * max(values[A] - 0.05, 0.0)]), (A,), {A: 0.0}, max_iterations=40)
+    assert 0.95**2 <= found.sse < 0.95
 
 
 def test_it_keeps_to_bounds() -> None:

@@ -40,8 +40,14 @@ def test_amounts_that_are_nil_where_the_effect_is_absent_count_apart() -> None:
     assert direction.columns.shape == (MODEL.size, 2) and direction.one_sided
 
 
-def test_faults_of_sensors_and_what_changes_nothing_have_no_direction() -> None:
+def test_faults_of_sensors_what_the_model_has_and_what_changes_nothing_have_no_direction() -> None:
     assert of(replace(waves.BASE, kind=Kind.SENSOR)) == []
+    assert directions(MODEL, ModelFits(MODEL, ()).fit((waves.BASE,)), [waves.BASE], SERIAL, lambda: False, {}) == []
+    idle = waves.Waves(shapes={**waves.SHAPES, "slow": 0.0 * waves.SHAPES["slow"]})
+    assert directions(idle, ModelFits(idle, ()).fit(()), [waves.BASE], SERIAL, lambda: False, {}) == []
+
+
+def test_where_the_time_is_up_nothing_more_is_predicted() -> None:
     assert directions(MODEL, ModelFits(MODEL, ()).fit(()), [waves.BASE], SERIAL, lambda: True, {}) == []
 
 

@@ -53,25 +53,30 @@ def test_a_poorer_form_that_explains_as_much_is_taken() -> None:
     assert no_richer_than_needed([APART], {APART.key: [(PLAIN, 50.0)]}) == (APART,)
 
 
-def _with(candidate: Candidate, left: float, **numbers: float) -> FittedModel:
+def _with(candidate: Candidate, left: float, penalty: float = 0.0, **numbers: float) -> FittedModel:
     """Return a model of a hundred rows that leaves so much of each."""
     values = {q: numbers[q.parameter] for q in candidate.parameters}
-    return replace(FittedModel.at(values, (candidate,)), fit=replace(FittedModel.at(values).fit, residual=np.full(100, left**0.5)))
+    fit = replace(FittedModel.at(values).fit, residual=np.full(100, left**0.5), penalty=penalty)
+    return replace(FittedModel.at(values, (candidate,)), fit=fit)
 
 
 @pytest.mark.parametrize(
-    ("backward", "left", "lost", "constant", "kept"),
+    ("backward", "left", "lost", "constant", "penalty", "kept"),
     [
-        (27.8, 0.9, 40.0, 0.0, PLAIN), (27.8, 1.3, 40.0, 0.0, APART), (27.8, 1.3, 0.5, 0.0, PLAIN), (40.0, 0.9, 0.5, 0.0, APART),
-        (40.0, 1.3, 0.5, 7.0, PLAIN), (40.0, 0.9, 40.0, 7.0, APART),
+        (27.8, 0.9, 40.0, 0.0, 0.0, PLAIN), (27.8, 1.3, 40.0, 0.0, 0.0, APART), (27.8, 1.3, 0.5, 0.0, 0.0, PLAIN),
+        (40.0, 0.9, 0.5, 0.0, 0.0, APART), (40.0, 1.3, 0.5, 7.0, 0.0, PLAIN), (40.0, 0.9, 40.0, 7.0, 0.0, APART),
+        (40.0, 1.3, 6.5, 7.0, 12.0, PLAIN), (40.0, 1.3, 6.5, 7.0, 0.0, APART),
     ],
-    ids=["gained below the noise", "gained", "gained nothing", "not alike", "made by sensors", "made by sensors and more"],
+    ids=[
+        "gained below the noise", "gained", "gained nothing", "not alike", "made by sensors", "made by sensors and more",
+        "lost by what sensors are off", "lost otherwise",
+    ],
 )  # fmt: skip
 def test_a_richer_form_is_told_apart_by_what_it_gains_beyond_the_noise(
-    backward: float, left: float, lost: float, constant: float, kept: Candidate
+    backward: float, left: float, lost: float, constant: float, penalty: float, kept: Candidate
 ) -> None:
     """Odds of 10^16 were for 0.2 N between two directions of 28 N, of which a quiet bench's noise explains all."""
-    apart, plain = _with(APART, 0.8, forward=28.0, backward=backward), _with(PLAIN, left, force=28.0)
+    apart, plain = _with(APART, 0.8, forward=28.0, backward=backward), _with(PLAIN, left, penalty, force=28.0)
     found = in_poorer_forms(apart, (APART,), {PLAIN.effect: PLAIN}, constant, lambda *_: plain, lambda *_: lost, 100)
     assert found.candidates == (kept,)
 

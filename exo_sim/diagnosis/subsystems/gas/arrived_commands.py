@@ -50,7 +50,8 @@ def late_commands(time: Array, commands: Array, delay: float, closing: float = 0
     n = len(time)
     if delay == 0.0 and closing == 0.0:
         return ArrivedCommands(np.hstack([commands, commands]), np.zeros(n))
-    mirrored = np.array_equal(commands[:, 1], -commands[:, 0])  # one spool serves both chambers: so are the means
+    # means are mirrored as commands are, unless a spring acts one way only; where one spool serves both chambers only the first counts
+    mirrored = np.array_equal(commands[:, 1], -commands[:, 0]) and (closing == 0.0 or reversal == 0.0)
     held = commands[:, :1] if mirrored else commands
     changed, held = (time, held) if closing == 0.0 else let_go_later(time, held, closing, reversal)
     sides = [np.ascontiguousarray(side) for side in held.T]

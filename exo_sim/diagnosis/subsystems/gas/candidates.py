@@ -17,7 +17,7 @@ from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import healthy_limit
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
 from exo_sim.physics.declaration import Effect, Parameter, declared
-from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
+from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale, valve_lag
 
 #: A parameter that is never zero and whose typical range spans more than this factor is fitted by its logarithm.
 LOGARITHMIC = 4.0
@@ -32,6 +32,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
     steered = commanded and not all(run.stays_open for run in runs)
     switched = steered and all(run.is_switched for run in runs if run.commanded)
     thrown = switched and all(run.is_never_partly_open for run in runs if run.commanded)
+    changes_sides = any(run.changes_sides for run in runs)
     moves = any(run.moves for run in runs)
     measured, contained = measured_places(runs), plant.contained_effects
     single = float(plant.cylinder["single_acting"][0]) > 0.0
@@ -53,6 +54,8 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
         for form in effect.identification.forms or (tuple(p.name for p in effect.parameters if not p.choices),):
             if single and any(name.endswith("_2") for name in form):
                 continue
+            if thrown:  # where an edge begins to open shows between the ends
+                form = tuple(name for name in form if name not in effect.identification.common[1])
             made = _of_form(effect, cylinder, form, plant)
             if effect.identification.starts_by_reach:
                 made = [replace(one, starts=_starts_within_reach(effect, form, plant, runs)) for one in made]
@@ -64,9 +67,15 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             if form not in at_once:
                 made = [replace(one, further=frozenset(values)) for one in _begun_at(effect, cylinder, form, values, plant)]
                 found += [_beyond_a_sample(one, period) for one in made]
+    found = [one for one in found if changes_sides or not _says_how_sides_change(one)]
     found += _sensor_faults(runs, cylinder, joint, moves)
     asked = {one.effect for one in found}
     return tuple(one if one.prerequisite in asked else _without_what_is_not_asked(one) for one in found)
+
+
+def _says_how_sides_change(candidate: Candidate) -> bool:
+    """Return whether a candidate differs from another only in how a spool gets straight from one side to the other."""
+    return any((q.effect, q.parameter) == (valve_lag.EFFECT.name, "reversal") for q, _ in candidate.fixed)
 
 
 def _without_what_is_not_asked(candidate: Candidate) -> Candidate:
@@ -152,7 +161,9 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     if porous:  # where both terms of the path's law take half of the drop from 5 bar
         starts = tuple((*(a for _ in form[:-1]), 2.0 / (a * a * 2.5e11)) for a in (1e-16, 1e-17, 1e-18))
     elif effect.identification.starts:
-        starts = tuple(start[: len(form)] for start in effect.identification.starts)
+        named = max(effect.identification.forms, key=len, default=form)
+        by_place = [dict(zip(named if len(start) == len(named) else form, start, strict=False)) for start in effect.identification.starts]
+        starts = tuple(dict.fromkeys(tuple(start[name] for name in form) for start in by_place))
     elif valve > 0.0 and set(form) <= set(by_name):
         starts = tuple(zip(*(tuple(value * (valve if name == "area" else 1.0) for value in by_name[name]) for name in form), strict=True))
     else:

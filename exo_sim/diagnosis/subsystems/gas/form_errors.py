@@ -47,10 +47,10 @@ def error_of_form(parameter: FreeParameter, fitted: PlantParameters, nominal: Pl
 
 
 def _in_twins(parameter: FreeParameter, fitted: PlantParameters) -> float:
-    """Return by how much a number may stand in the parts of a twin, or they in it: that much of both is known of neither alone.
+    """Return how much of a number's own action a fit wrote into the parts of its twin: so much of both is open.
 
-    A shifted spool opens two edges sooner and two later. A fit shares that out by what either law does at full opening, of which no form
-    is known so well.
+    A shifted spool opens two edges sooner and two later. A fit shares that out by what either law does at full opening, which is of the
+    form of a law: of a stranger's shift of 0.025 it wrote 0.0295 and -0.0045 in the edges, each known to 0.0015.
     """
     for effect in declared().values():
         for twin, parts in effect.identification.twins.as_parts.items():

@@ -90,26 +90,52 @@ def test_a_simulated_valve_opens_and_closes_as_a_predicted_one(closing: float, o
     np.testing.assert_allclose(late.command[:, 2], spools, atol=1e-12)
 
 
-MAGNETS, SPRING = (valve_lag.REVERSALS.index(one) for one in ("magnets", "spring"))
+CENTRED, RETURN = (valve_lag.REVERSALS.index(one) for one in ("spring_centred", "spring_return"))
 
 
 @pytest.mark.parametrize("closing", [4e-3, -4e-3])
 def test_a_valve_with_two_positions_closes_from_plus_to_minus(closing: float) -> None:
     time: NDArray[np.float64] = np.arange(60, dtype=np.float64) * 1e-3
     command: NDArray[np.float64] = np.where((time > 9.5e-3) & (time < 29.5e-3), 1.0, -1.0)
-    late = late_commands(time, np.stack([command, -command], axis=1), 5e-3, closing, SPRING).command[:, 2:]
-    np.testing.assert_array_equal(late[:, 1], -late[:, 0])
+    late = late_commands(time, np.stack([command, -command], axis=1), 5e-3, closing, RETURN).command[:, 2:]
     np.testing.assert_allclose(late[:, 0], np.where((time > 14.5e-3) & (time < 34.5e-3 + closing), 1.0, -1.0))
+    of_second = np.where((time > 14.5e-3 + closing) & (time < 34.5e-3), -1.0, 1.0)  # a valve of its own closes when it goes to minus
+    np.testing.assert_allclose(late[time > 5e-3, 1], of_second[time > 5e-3])
 
 
 @pytest.mark.parametrize("closing", [4e-3, -4e-3])
-def test_a_valve_with_three_positions_leaves_either_side_when_its_magnet_lets_go(closing: float) -> None:
-    """Until then it stays there, and where that is before the other magnet pulls the spool is at its centre meanwhile."""
+def test_a_valve_with_three_positions_leaves_either_side_when_its_solenoid_lets_go(closing: float) -> None:
+    """Until then it stays there, and where that is before the other pulls the spool is at its centre meanwhile."""
     time: NDArray[np.float64] = np.arange(60, dtype=np.float64) * 1e-3
     command: NDArray[np.float64] = np.where((time > 9.5e-3) & (time < 29.5e-3), 1.0, -1.0)
-    late = late_commands(time, np.stack([command, -command], axis=1), 5e-3, closing, MAGNETS).command[:, 2:]
+    late = late_commands(time, np.stack([command, -command], axis=1), 5e-3, closing, CENTRED).command[:, 2:]
     for prompt, side, during in ((14.5e-3, 1.0, (time > 5e-3) & (time < 24.5e-3)), (34.5e-3, -1.0, time > 24.5e-3)):
         gone, come = sorted((prompt, prompt + closing))
         between = 0.0 if closing < 0.0 else -side
         np.testing.assert_allclose(late[during, 0], np.where(time < gone, -side, np.where(time < come, between, side))[during], atol=1e-12)
     np.testing.assert_array_equal(late[:, 1], -late[:, 0])
+
+
+@pytest.mark.parametrize("independent", [False, True], ids=["one spool", "two valves"])
+@pytest.mark.parametrize("reversal", [CENTRED, RETURN], ids=["spring-centred", "spring return"])
+@pytest.mark.parametrize(("delay", "closing"), [(5.3e-3, 4e-3), (5e-3, 0.4e-3), (5.3e-3, -4e-3), (2.6e-3, -0.4e-3), (0.7e-3, 2.2e-3)])
+def test_a_simulated_valve_changes_sides_as_a_predicted_one(delay: float, closing: float, reversal: int, independent: bool) -> None:
+    """Also where neither arrives at the beginning of a step."""
+    dt, n = 1e-3, 80
+    cylinder = paper_cylinder(0.032, 0.012, 0.1, 5e-6, 1e-5, 1e-5)
+    lag = cylinder["valve_lag"]
+    lag["delay"], lag["closing_delay"], lag["reversal"] = delay, closing, reversal
+    cylinder["independent"] = float(independent)
+    gas = Pneumatics(paper_world(), cylinder, dt=dt)
+    gas.fill(np.zeros(1), 2e5, 2e5)
+    time: NDArray[np.float64] = np.arange(n, dtype=np.float64) * dt
+    command: NDArray[np.float64] = 0.7 * np.sign(np.sin(time / 8e-3 + 0.05)) * (time % 0.03 < 0.022)
+    command[0] = 0.0
+    simulated = np.zeros((n, 2))
+    for i in range(n):
+        gas.advance(np.zeros(1), np.zeros(1), np.array([command[i], -command[i]])[: gas.commands])
+        simulated[i] = gas.memory[0, [state.SPOOL, state.SPOOL_2]]
+    late = late_commands(time, np.stack([command, -command], axis=1), delay, closing, reversal)
+    mean = (late.command[:, :2] * late.first[:, None] + late.command[:, 2:] * (dt - late.first)[:, None]) / dt
+    valves = slice(0, 2 if independent else 1)
+    np.testing.assert_allclose(mean[:-1, valves], simulated[:-1, valves], atol=1e-9)

@@ -133,15 +133,18 @@ class Proposals:
         """Return what may stand in a candidate's place: other forms of its effect; where fits are cheap, simpler effects too.
 
         Of one column all errors are tried: beside a zero that may drift, a scale looks like a bias until both are fitted.
-        Of a large model they are no richer: it was reached from proposals of every form.
+        Of a large model they are no richer, for it was reached from proposals of every form; but for those that are asked at once where
+        commands only switch, which say another thing of an effect than its poorer forms do.
         """
         forms, richer = [], 0 if now.is_large else 2
+        at_once = [set(form) for form in declared()[candidate.effect].identification.switched] if candidate.effect in declared() else []
         for form in self.candidates:
             more = len(form.parameters) - len(candidate.parameters)
             column = form.where == candidate.where and form.kind is candidate.kind is Kind.SENSOR and form.at not in now.named
             same = form.at == candidate.at or column
             simpler = self.fits.cheap and more < 0 and form.at not in now.named
-            if form.key != candidate.key and now.meets_prerequisite(form) and (simpler or (same and more <= richer)):
+            usual = more <= richer or _names(form.parameters) in at_once
+            if form.key != candidate.key and now.meets_prerequisite(form) and (simpler or (same and usual)):
                 forms.append(form)
         return forms
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
-from exo_sim.physics.identification import Twins
+from exo_sim.physics.identification import Applicability, Twins
 
 #: Overlaps that one unit of shift is worth: it opens two edges sooner and two later.
 _AS_OVERLAPS = {"overlap_supply_1": -1.0, "overlap_exhaust_1": 1.0, "overlap_supply_2": 1.0, "overlap_exhaust_2": -1.0}
@@ -30,7 +30,8 @@ EFFECT = Effect(
     valid="the shift stays over the recording: no drift with warmth or supply pressure.",
     signature="one chamber fills and the other vents at zero command",
     identification=Identification(
-        proportional=True, starts=((0.01,), (-0.01,)), healthy={"shift": (5e-4, 1e-3)}, twins=Twins(as_parts={"valve_edges": _AS_OVERLAPS})
+        applicability=Applicability(partly_open=True), proportional=True, starts=((0.01,), (-0.01,)), healthy={"shift": (5e-4, 1e-3)},
+        twins=Twins(as_parts={"valve_edges": _AS_OVERLAPS}),
     ),
 )
 

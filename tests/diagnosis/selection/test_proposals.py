@@ -9,7 +9,7 @@ from diagnosis.waves import AT, BASE, OTHER, SHAPES, Waves, candidate
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.findings import Kind
-from exo_sim.diagnosis.policy.budgets import FORMS_OF_ONE
+from exo_sim.diagnosis.policy.budgets import FORMS_OF_ONE, LARGE
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
@@ -58,6 +58,21 @@ def test_replacements_are_other_forms_whose_prerequisite_is_there() -> None:
     orphan = candidate("both", "quicker", prerequisite="absent")
     found, bare = proposals(RICH, PLAIN, OTHER, orphan, slow=3.0)
     assert found.replacements(PLAIN, bare) == [RICH]
+
+
+def test_in_a_large_model_only_what_is_asked_at_once_of_a_switched_valve_is_richer() -> None:
+    """Five others were found beside a 5/3 valve's lag as a time constant, and nobody asked whether it closes later than it opens."""
+
+    def lag(*names: str) -> Candidate:
+        made = candidate("valve_lag", *("slow", "quick")[: len(names)])
+        parameters = tuple(replace(q, parameter=name) for q, name in zip(made.parameters, names, strict=True))
+        return replace(made, form="+".join(names), parameters=parameters)
+
+    plain, thrown, other = lag("time_constant"), lag("delay", "closing_delay"), lag("time_constant", "delay")
+    found, bare = proposals(plain, thrown, other)
+    large = replace(bare, candidates=(plain, *(candidate(f"effect{k}", "slow") for k in range(LARGE))))
+    assert large.is_large and not bare.is_large
+    assert found.replacements(plain, bare) == [thrown, other] and found.replacements(plain, large) == [thrown]
 
 
 def test_another_error_of_the_same_column_may_stand_in_the_place_of_one() -> None:

@@ -54,8 +54,6 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
         for form in effect.identification.forms or (tuple(p.name for p in effect.parameters if not p.choices),):
             if single and any(name.endswith("_2") for name in form):
                 continue
-            if thrown:  # where an edge begins to open shows between the ends
-                form = tuple(name for name in form if name not in effect.identification.common[1])
             made = _of_form(effect, cylinder, form, plant)
             if effect.identification.starts_by_reach:
                 made = [replace(one, starts=_starts_within_reach(effect, form, plant, runs)) for one in made]
@@ -161,9 +159,7 @@ def _of_form(effect: Effect, cylinder: str, form: tuple[str, ...], plant: PlantP
     if porous:  # where both terms of the path's law take half of the drop from 5 bar
         starts = tuple((*(a for _ in form[:-1]), 2.0 / (a * a * 2.5e11)) for a in (1e-16, 1e-17, 1e-18))
     elif effect.identification.starts:
-        named = max(effect.identification.forms, key=len, default=form)
-        by_place = [dict(zip(named if len(start) == len(named) else form, start, strict=False)) for start in effect.identification.starts]
-        starts = tuple(dict.fromkeys(tuple(start[name] for name in form) for start in by_place))
+        starts = tuple(start[: len(form)] for start in effect.identification.starts)
     elif valve > 0.0 and set(form) <= set(by_name):
         starts = tuple(zip(*(tuple(value * (valve if name == "area" else 1.0) for value in by_name[name]) for name in form), strict=True))
     else:

@@ -181,7 +181,7 @@ def test_a_valve_that_is_only_thrown_from_end_to_end_is_not_asked_what_it_does_b
     level, command = np.full(50, 3e5), size * (np.arange(50) % 10 < 5)
     run = cylinder_runs.run_of(level, level, command=command, commanded=True)
     found = {one.effect: one for one in candidates(plant, [run], "piston", "slide")}
-    between = {"valve_deadband", "valve_hysteresis", "valve_characteristic"}
+    between = {"valve_deadband", "valve_hysteresis", "valve_characteristic", "valve_offset"}
     assert (between <= set(found), bool(between & set(found))) == (asked, asked)
     assert {"valve_lag", "spool_rate_limit"} <= set(found)
     assert found["valve_edges"].prerequisite == ("valve_deadband" if asked else "")  # their sizes show at full opening

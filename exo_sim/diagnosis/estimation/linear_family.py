@@ -81,3 +81,8 @@ class LinearFamily:
     least: float = 0.0
     fitted_forms: tuple[Candidate, ...] = ()
     constant: float = 0.0
+
+    @property
+    def by_effect(self) -> dict[str, Candidate]:
+        """Its candidates by effect, of several forms the last; a family is of one place."""
+        return {term.candidate.effect: term.candidate for term in self.linearisations[0].terms}

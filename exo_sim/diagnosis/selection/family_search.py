@@ -92,8 +92,7 @@ class FamilySearch:
         laws = weighed_as_fitted(laws, forms, final, self.fits.standard_errors)
         plain = self.fits.refined(self.fits.fit(final.candidates, final, again=final is not found.model))
         final = predicting_best(final, plain, errors_about(final, laws))
-        asked = {term.candidate.effect: term.candidate for term in self.family.linearisations[0].terms}
-        relaxed = without_straining(plain, self.fits, asked)
+        relaxed = without_straining(plain, self.fits, self.family.by_effect)
         straining = tuple(c for c in plain.candidates if c not in relaxed.candidates and not c.is_law)
         if relaxed is not plain:
             final = plain = relaxed

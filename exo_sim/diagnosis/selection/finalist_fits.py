@@ -77,7 +77,7 @@ class FinalistFits:
 
     def _fitted(self, candidates: tuple[Candidate, ...], near: FittedModel, beside: MarginalFits) -> FittedModel:
         """Return the fit of these effects; those that a healthy machine has as well are nuisance parameters."""
-        asked = {term.candidate.effect: term.candidate for term in self.weighing.family.linearisations[0].terms}
+        asked = self.weighing.family.by_effect
         while True:
             final = beside.fit(candidates, near, refined=True)
             there = without_nil(candidates, final.fit.values)

@@ -83,8 +83,7 @@ class Diagnosis:
         balances = [name.endswith(".force_balance") for name in self.signals]
         if balances and all(balances):
             return "rms of what the balance of forces leaves"
-        of_forces = "; for a force balance, rms of what it leaves" if any(balances) else ""
-        return f"rms error of 0.5 s predictions under the recorded motion{of_forces}"
+        return "rms of 0.5 s predictions, motion as recorded" + ("; of a force balance, of what it leaves" if any(balances) else "")
 
     def as_dict(self) -> dict[str, Any]:
         """Return the JSON of the contract."""

@@ -35,7 +35,7 @@ def test_the_measure_says_what_the_errors_are() -> None:
     def measure(*names: str) -> str:
         return Diagnosis(Verdict.CONSISTENT, (), "b", signals={name: SignalFit("N", 1.0, 1.0, 1.0) for name in names}).measure
 
-    assert "0.5 s predictions under the recorded motion" in measure("piston.pressure_1")  # `compare` predicts the motion as well
+    assert "0.5 s predictions, motion as recorded" in measure("piston.pressure_1")  # `compare` predicts the motion as well
     assert "0.5 s predictions" in measure("piston.pressure_1") and "balance" not in measure("piston.pressure_1")
     assert "0.5 s" not in measure("slide.force_balance")
     assert "0.5 s predictions" in measure("piston.pressure_1", "slide.force_balance") and "balance" in measure("a", "b.force_balance")

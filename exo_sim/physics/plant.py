@@ -190,12 +190,12 @@ def delayed(history, newest, delay, dt):
         delay: Seconds.
         dt: Seconds a step.
     """
-    before, after, part = halves(history, newest, delay, dt)
+    before, after, part = arriving(history, newest, delay, dt)
     return after if part == 0.0 else (1.0 - part) * after + part * before
 
 
 @kernel
-def halves(history, newest, delay, dt):
+def arriving(history, newest, delay, dt):
     """Return what has arrived in the beginning of the coming step, what arrives in it, and after which share of it; as of `delayed`."""
     steps = delay / dt
     whole = math.floor(steps)
@@ -212,8 +212,8 @@ def arrived_late(history, newest, lag, dt):
         history, newest, dt: As of `delayed`.
         lag: Parameters of `valve_lag`.
     """
-    prompt, pulled, first = halves(history, newest, lag.delay, dt)
-    held, let_go, second = halves(history, newest, valve_lag.let_go_after(lag), dt)
+    prompt, pulled, first = arriving(history, newest, lag.delay, dt)
+    held, let_go, second = arriving(history, newest, valve_lag.let_go_after(lag), dt)
     closing, reversal = lag.closing_delay, lag.reversal
     begins, ends = min(first, second), max(first, second)
     mean = begins * valve_lag.arrived(prompt, held, closing, reversal) + (1.0 - ends) * valve_lag.arrived(pulled, let_go, closing, reversal)

@@ -49,6 +49,7 @@ class Parameter:
         required: False where the effect works without it.
         choices: Words that stand for 0, 1, 2 ... where the parameter is a choice.
         shapes: The parameter without which a choice means nothing, "" where it always means something.
+        by_reversals: True where a choice shows only where commands switch the valve straight from one side to the other.
         default: Value of a parameter that is not required.
         most: The longest list where the parameter is a list of numbers; 0 where it is one number.
         unit_by: For a list whose unit follows from choices: the deciding parameter and the SI units in the order of its words.
@@ -64,6 +65,7 @@ class Parameter:
     required: bool = True
     choices: tuple[str, ...] = ()
     shapes: str = ""
+    by_reversals: bool = False
     default: float = 0.0
     most: int = 0
     unit_by: tuple[str, tuple[tuple[str, str], ...]] | None = None

@@ -61,7 +61,7 @@ EFFECT = Effect(
         ),
         Parameter(
             "reversal", "1", 0, 1, (0, 1), "5/3 double solenoid valves, spring-centred; 5/2 single solenoid valves with spring return",
-            required=False, choices=REVERSALS, shapes="closing_delay",
+            required=False, choices=REVERSALS, shapes="closing_delay", by_reversals=True,
         ),
         Parameter(
             "closing_excess", "1", -0.9, 9.0, (-0.3, 1.2),

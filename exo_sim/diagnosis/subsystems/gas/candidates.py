@@ -17,7 +17,7 @@ from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import healthy_limit
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
 from exo_sim.physics.declaration import Effect, Parameter, declared
-from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale, valve_lag
+from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
 
 #: A parameter that is never zero and whose typical range spans more than this factor is fitted by its logarithm.
 LOGARITHMIC = 4.0
@@ -65,15 +65,15 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
             if form not in at_once:
                 made = [replace(one, further=frozenset(values)) for one in _begun_at(effect, cylinder, form, values, plant)]
                 found += [_beyond_a_sample(one, period) for one in made]
-    found = [one for one in found if changes_sides or not _says_how_sides_change(one)]
+    found = [one for one in found if changes_sides or not _shows_by_reversals(one)]
     found += _sensor_faults(runs, cylinder, joint, moves)
     asked = {one.effect for one in found}
     return tuple(one if one.prerequisite in asked else _without_what_is_not_asked(one) for one in found)
 
 
-def _says_how_sides_change(candidate: Candidate) -> bool:
-    """Return whether a candidate differs from another only in how a spool gets straight from one side to the other."""
-    return any((q.effect, q.parameter) == (valve_lag.EFFECT.name, "reversal") for q, _ in candidate.fixed)
+def _shows_by_reversals(candidate: Candidate) -> bool:
+    """Return whether a candidate differs from another only where commands switch the valve straight from one side to the other."""
+    return any(declared()[q.effect].parameter(q.parameter).by_reversals for q, _ in candidate.fixed)
 
 
 def _without_what_is_not_asked(candidate: Candidate) -> Candidate:

@@ -64,7 +64,7 @@ class Posterior:
     left: Array
 
 
-def factored(precision: Array) -> Array:
+def _factored(precision: Array) -> Array:
     """Return the lower Cholesky factor of a posterior precision in units of the prior, shape (m, m).
 
     LAPACK is called as it is: of tens of thousands of subsets SciPy's checks take longer than the factors.
@@ -147,7 +147,7 @@ class LinearEvidence:
             return cleared.log_evidence
         first = len(self._always)
         at = np.concatenate([self._columns[j] for j in subset]) - first
-        factor = factored(cleared.normal[at[:, None], at])
+        factor = _factored(cleared.normal[at[:, None], at])
         half = dtrtrs(factor, cleared.pull[at], lower=1)[0]
         if (dtrtrs(factor, half, lower=1, trans=1)[0][self._one_sided[at]] < 0.0).any():
             return -math.inf
@@ -170,7 +170,7 @@ class LinearEvidence:
         first = len(self._always)
         if first == 0:
             return _Cleared(normal, moment, evidence)
-        factor = factored(normal[:first, :first])
+        factor = _factored(normal[:first, :first])
         half = dtrtrs(factor, moment[:first], lower=1)[0]
         evidence += 0.5 * float(half @ half) - float(np.log(factor.diagonal()).sum())
         if not self.linear.terms:
@@ -205,7 +205,7 @@ class LinearEvidence:
         weight = 1.0 / (spreads.noise**2 * correlation_time)
         normal = part.gram * (weight * (scale[:, None] * scale))
         normal.flat[:: len(scale) + 1] += 1.0
-        factor = factored(normal)
+        factor = _factored(normal)
         moment = part.moment * (weight * scale)
         half = dtrtrs(factor, moment, lower=1)[0] if scale.size else moment  # LAPACK complains of no rows
         evidence = -self.linear.target.size / correlation_time * math.log(spreads.noise) - 0.5 * weight * self._square

@@ -14,7 +14,7 @@ from exo_sim.diagnosis.selection.fitted_model import FittedModel, SetKey, key_of
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.score_test import Signatures, scores
 from exo_sim.diagnosis.selection.shape_scan import best_shapes
-from exo_sim.physics.declaration import declared
+from exo_sim.physics.declaration import declared, identification_of
 
 
 class Proposals:
@@ -137,7 +137,7 @@ class Proposals:
         commands only switch, which say another thing of an effect than its poorer forms do.
         """
         forms, richer = [], 0 if now.is_large else 2
-        at_once = [set(form) for form in declared()[candidate.effect].identification.switched] if candidate.effect in declared() else []
+        at_once = [set(form) for form in identification_of(candidate.effect).switched]
         for form in self.candidates:
             more = len(form.parameters) - len(candidate.parameters)
             column = form.where == candidate.where and form.kind is candidate.kind is Kind.SENSOR and form.at not in now.named

@@ -13,12 +13,10 @@ from exo_sim.diagnosis.policy.off_nominal import STRAINING
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.simpler_forms import poorer_than, sizes_of_poorer
-from exo_sim.physics.declaration import declared, family_of, identification_of
+from exo_sim.physics.declaration import family_of, identification_of
 
 
-def without_straining(
-    plain: FittedModel, fits: ModelFits, asked: Mapping[str, Candidate] = MappingProxyType({})
-) -> FittedModel:
+def without_straining(plain: FittedModel, fits: ModelFits, asked: Mapping[str, Candidate] = MappingProxyType({})) -> FittedModel:
     """Return a plain fit without the effects that explain no more than a healthy machine leaves, and only beside numbers further off.
 
     What the noise explains is no reason for one: friction of two directions and a spring's rest that is off pull against each other, and
@@ -68,8 +66,7 @@ def _is_left_to_others(candidate: Candidate, plain: FittedModel, without: Fitted
 
 def _is_the_constant_force_beside(parameter: FreeParameter, candidate: Candidate) -> bool:
     """Return whether a number is the constant force beside which a poorer effect looks like this one."""
-    effect = candidate.effect
-    return parameter.effect == FORCE_OFFSET and effect in declared() and bool(identification_of(effect).twins.beside_constant)
+    return parameter.effect == FORCE_OFFSET and bool(identification_of(candidate.effect).twins.beside_constant)
 
 
 def _strain(fitted: FittedModel, known: Sequence[FreeParameter]) -> float:

@@ -16,7 +16,7 @@ from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, DEAD_VOLUME, PO
 from exo_sim.diagnosis.policy import healthy, priors
 from exo_sim.diagnosis.subsystems.gas.healthy_limits import healthy_limit
 from exo_sim.diagnosis.subsystems.gas.place import measured_places, place_of
-from exo_sim.physics.declaration import Effect, Parameter, declared
+from exo_sim.physics.declaration import Effect, Parameter, declared, identification_of
 from exo_sim.physics.effects import sensor_bias, sensor_delay, sensor_scale
 
 #: A parameter that is never zero and whose typical range spans more than this factor is fitted by its logarithm.
@@ -67,7 +67,7 @@ def candidates(plant: PlantParameters, runs: Sequence[CylinderRun], cylinder: st
                 found += [_beyond_a_sample(one, period) for one in made]
     found = [one for one in found if changes_sides or not _shows_by_reversals(one)]
     found += _sensor_faults(runs, cylinder, joint, moves)
-    asked = {one.effect for one in found}
+    asked = {"", *(one.effect for one in found)}
     return tuple(one if one.prerequisite in asked else _without_what_is_not_asked(one) for one in found)
 
 
@@ -78,9 +78,7 @@ def _shows_by_reversals(candidate: Candidate) -> bool:
 
 def _without_what_is_not_asked(candidate: Candidate) -> Candidate:
     """Return a candidate that stands alone where what it would come on top of is not asked; of what it acts through it stays a part."""
-    effect = declared().get(candidate.effect)
-    alone = effect is not None and candidate.prerequisite == effect.identification.on_top_of
-    return replace(candidate, prerequisite="") if alone else candidate
+    return replace(candidate, prerequisite="") if candidate.prerequisite == identification_of(candidate.effect).on_top_of else candidate
 
 
 def _left_open(effect: Effect, cylinder: str, plant: PlantParameters) -> list[Candidate]:

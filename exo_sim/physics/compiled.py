@@ -27,8 +27,12 @@ from numba.extending import intrinsic
 from numba.np import arrayobj
 
 from exo_sim.physics import compiled_cache, external_effects
+from exo_sim.physics.linked_code import LinkedKernel
 
 Function = TypeVar("Function", bound=Callable[..., Any])
+
+#: Of numba: kernels release the GIL, and divide by zero as numpy does.
+_OPTIONS: dict[str, Any] = {"nogil": True, "error_model": "numpy"}
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 
@@ -59,7 +63,11 @@ if (_folder := compiled_cache.folder(_key())) is not None:
 
 def kernel(function: Function) -> Function:
     """Compile a function of numbers, arrays and records; it releases the GIL and is cached between starts."""
-    return _compiled(function)
+    compiler: Any = numba.njit
+    compiled = compiler(no_cfunc_wrapper=True, **_OPTIONS)(function)
+    if _folder is not None:
+        compiled._cache = _Kept(function)  # what `cache=True` does, with our kind of cache
+    return compiled  # type: ignore[no-any-return]
 
 
 def inlined_kernel(function: Function) -> Function:
@@ -67,14 +75,7 @@ def inlined_kernel(function: Function) -> Function:
 
     Records, arrays and tuples take a while to hand over: with the calls of one step inlined a prediction takes little more than half.
     """
-    return _compiled(function, forceinline=True)
-
-
-def _compiled(function: Function, forceinline: bool = False) -> Function:
-    compiled: Any = numba.njit(nogil=True, error_model="numpy", forceinline=forceinline)(function)
-    if _folder is not None:
-        compiled._cache = _Kept(function)  # what `cache=True` does, with our kind of cache
-    return compiled  # type: ignore[no-any-return]
+    return LinkedKernel(function, kernel(function), **_OPTIONS)  # type: ignore[return-value]
 
 
 class _Kept(FunctionCache):  # type: ignore[misc]

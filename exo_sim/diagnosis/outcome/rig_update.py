@@ -249,15 +249,15 @@ def _healthy_part(candidate: Candidate, result: Result) -> dict[str, float]:
 def _healthy(rig: Rig, result: Result, calibrated: Collection[str]) -> list[EffectEntry]:
     """Return the entries of what was refitted and no number of the rig holds: zeros of sensors, imperfections of healthy machines.
 
-    Where the pressures of a cylinder were `calibrated` by its gas, its forces say nothing of them.
+    Where the pressures of a cylinder were `calibrated` by its gas, its forces say nothing of their zeros. A scale only the forces know.
     """
     parts: dict[tuple[str, str], dict[FreeParameter, float]] = {}
     entries, faulty = [], set[str]()
     for parameter, error in result.refitted:
         by_force = result.model.as_sensor_error(parameter, result.final.fit.values[parameter])
         if by_force is not None:
-            column = by_force[0]
-            if not ("pressure" in column and column.split(".")[0] in calibrated):
+            column, name = by_force[:2]
+            if not ("pressure" in column and name == sensor_bias.EFFECT.name and column.split(".")[0] in calibrated):
                 entries.append(sensor_error_entry(*by_force, error, rig, result.model.unit))
         elif parameter.effect == ZERO:
             parts.setdefault((sensor_bias.EFFECT.name, parameter.where), {})[parameter] = error_of(result, parameter, error)

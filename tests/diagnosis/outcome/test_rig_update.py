@@ -185,6 +185,27 @@ def test_forces_say_how_late_a_sensor_is_where_no_gas_was_judged(data: MachineDa
     assert effect is not None and effect.parameters["seconds"] == pytest.approx(2e-3)
 
 
+@pytest.mark.parametrize(("name", "written"), [("sensor_scale", True), ("sensor_bias", False)])
+def test_beside_a_judged_gas_forces_say_the_scale_of_a_pressure_but_not_its_zero(data: MachineData, name: str, written: bool) -> None:
+    """A gas hardly shows by how much a reading is too large: that much more is supplied."""
+    column, parameter, value = "piston.pressure_2", "factor" if name == "sensor_scale" else "value", 1.025
+
+    class Forces(waves.Waves):
+        def as_sensor_error(self, refitted: FreeParameter, fitted: float) -> tuple[str, str, str, float] | None:
+            return column, name, parameter, fitted
+
+    class Gas(GasWaves):
+        calibrates_pressures = True
+
+    error = FreeParameter("gain", column, "scale", "1", Target.SENSOR, 0.01, 0.5, 2.0, (1.0, 0.01), neutral=1.0)
+    forces = replace(result({error: value}), model=Forces(), refitted=((error, 1e-3),))
+    gas = replace(result({}), model=Gas())
+    effect = read_back(rig_update(data, [gas, forces], ()), data).effect(name, column)
+    assert (effect is not None) == written
+    if effect is not None:
+        assert effect.parameters[parameter] == pytest.approx(value)
+
+
 def test_what_was_refitted_of_sensors_and_of_the_machine_stand_without_each_other(data: MachineData) -> None:
     update = rig_update(data, [replace(result({VALVE: 1.02, ZERO: 800.0}), refitted=((VALVE, 0.01), (ZERO, 50.0)))], ())
     sensors, machine = update.reduced()

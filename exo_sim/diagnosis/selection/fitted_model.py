@@ -190,6 +190,20 @@ def remains(candidate: Candidate, without: FittedModel) -> bool:
     return candidate.additive and candidate.at not in without.named and exceeds_healthy_limit(candidate, without)
 
 
+def as_in_a_healthy_machine(candidate: Candidate, model: FittedModel) -> dict[FreeParameter, float]:
+    """Return the refitted parts of a candidate's quantity as they are where together they are no more than a healthy machine has of it.
+
+    Args:
+        candidate: Whose parameters are parts of one quantity.
+        model: Where they are refitted, and together more.
+    """
+    values = model.fit.values
+    parts = parts_of(quantity_of(candidate.parameters[0]), values)
+    limit = max((q.healthy_limit for q in candidate.parameters), default=0.0)
+    share = limit / max(together(parts, values), limit)
+    return {q: q.neutral + share * (values[q] - q.neutral) for q in parts}
+
+
 def reach_of_bound(parameter: FreeParameter, value: float) -> float:
     """Return how near to a bound of a parameter a value counts as there."""
     return verdicts.AT_BOUND * (abs(value) if parameter.logarithmic or parameter.low > 0.0 else parameter.scale)

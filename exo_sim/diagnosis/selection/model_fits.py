@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +14,7 @@ from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.common_part import with_common_parts_split
 from exo_sim.diagnosis.estimation.correlation import correlation_time
 from exo_sim.diagnosis.estimation.least_squares import TOLERANCE, Derivatives, Fit, Residual, fit
-from exo_sim.diagnosis.estimation.parameters import FreeParameter
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, Values
 from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import error_of_sum, standard_errors
 from exo_sim.diagnosis.nominal_numbers import CARD_OF_PRESSURES, POSITION_DELAY
@@ -314,11 +316,21 @@ class ModelFits:
         parameters = tuple(q for q in model.fit.parameters if q not in gone)
         return self._fit_from(model, parameters, Derivatives(model.fit.columns, renewed=False), CONVERGED)
 
-    def _fit_from(self, model: FittedModel, parameters: Sequence[FreeParameter], known: Derivatives, tolerance: float) -> Fit:
-        """Return the fit of these parameters of a model, begun where it is."""
+    def fit_holding(self, model: FittedModel, held: Values) -> FittedModel:
+        """Return a model fitted anew, started from itself, with some of its parameters held at these values."""
+        parameters = tuple(q for q in model.fit.parameters if q not in held)
+        done = self._fit_from(model, parameters, Derivatives(model.fit.columns), TOLERANCE, held)
+        return FittedModel(model.candidates, replace(done, values={**done.values, **held}))
+
+    def _fit_from(
+        self, model: FittedModel, parameters: Sequence[FreeParameter], known: Derivatives, tolerance: float,
+        held: Values = MappingProxyType({}),
+    ) -> Fit:  # fmt: skip
+        """Return the fit of these parameters of a model, begun where it is, others `held` at values of theirs."""
         length = min(self.correlation_time(model.fit.residual), acceptance.LONGEST_CORRELATION)
+        residual = self._residual_of(model.candidates)
         done = fit(
-            self._residual_of(model.candidates), parameters, model.fit.values, self.threads, max_iterations=MOST_STEPS,
+            lambda values: residual({**values, **held}), parameters, model.fit.values, self.threads, max_iterations=MOST_STEPS,
             tolerance=tolerance, correlation_length=length, derivatives=known, is_spent=self.is_spent,
         )  # fmt: skip
         return with_common_parts_split(done)

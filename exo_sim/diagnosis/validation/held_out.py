@@ -14,7 +14,7 @@ from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time, rms
 from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem, held_out_key
 from exo_sim.diagnosis.policy import validation
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, remains
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, as_in_a_healthy_machine, remains
 from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
@@ -67,32 +67,43 @@ def held_out_errors(
         balances[one.key] = BalanceError(error, rms(one.final.fit.residual), model.discrepancy_bound, odds)
         named = model.residual_of(one.final_plant)  # a curve for what has no name is not to a name's credit
         misfit = one.model.healthy_misfit() if one.findings else np.zeros(one.model.size)
-        for key, refitted in _left_out(one):
+        for key, refitted, is_gone in _left_out(one):
             other = model.residual_of(one.plant_of(refitted))
-            left[key] = rms(refitted.fit.residual)
-            relief[key] = refitted.fit.penalty - one.final.fit.penalty
             with_it, lacking = rms(named), rms(other)
+            differs = finite(rms(other - named))
+            costs[key] = differs * _noise_share(one, compared)
+            gain = _gain(named, other, model.blocks)
+            if not (is_gone or (differs > validation.LEAST_INFLUENCE and gain.is_shown)):
+                continue  # what a healthy machine has of it may be all that shows there
             drops[key] = finite(1.0 - with_it / lacking) if lacking > 0.0 else 0.0
-            influence[key] = finite(rms(other - named))
-            costs[key] = influence[key] * _noise_share(one, compared)
+            influence[key] = differs
             change = refitted.fit.residual - one.final.fit.residual
-            beyond = _beyond(change, misfit)
-            if beyond is not None:
-                beyond_healthy[key] = beyond
-            if influence[key] <= validation.LEAST_INFLUENCE:  # what changes nothing was not tested
+            if is_gone:
+                left[key] = rms(refitted.fit.residual)
+                relief[key] = refitted.fit.penalty - one.final.fit.penalty
+                beyond = _beyond(change, misfit)
+                if beyond is not None:
+                    beyond_healthy[key] = beyond
+            if differs <= validation.LEAST_INFLUENCE:  # what changes nothing was not tested
                 where_acting[key] = _missed_where_acting(refitted.fit.residual, change)
                 continue
             where_acting[key] = _missed_where_acting(other, other - named)
-            independent = other.size / max(correlation_time(other, model.blocks), 1.0)
-            gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
-            there = _amplitude(named, other - named, model.blocks)
-            gains[key] = HeldOutGain(gained, missing, lacking**2 > max(by_chance(independent), 1.0), *there)
+            gains[key] = gain
         if effect is not None:
             drops[one.where] = _drop_with_unknown(model, one, error, own)
             costs[one.where] = rms(model.residual_of(one.final_plant)) * _noise_share(one, compared)
     return HeldOutErrors(
         signals, drops, influence, left, where_acting, beyond_healthy, costs, balances, tuple(series), split.test, gains, relief
     )
+
+
+def _gain(named: Array, other: Array, blocks: NDArray[np.int64]) -> HeldOutGain:
+    """Return what a finding gains on held-out time; residuals with it and without it, and the block of each row, shape (n,) each."""
+    with_it, lacking = rms(named), rms(other)
+    independent = other.size / max(correlation_time(other, blocks), 1.0)
+    gained, missing = other.size * (lacking**2 - with_it**2), other.size * (lacking**2 - 1.0)
+    there = _amplitude(named, other - named, blocks)
+    return HeldOutGain(gained, missing, lacking**2 > max(by_chance(independent), 1.0), *there)
 
 
 def _amplitude(named: Array, change: Array, blocks: NDArray[np.int64]) -> tuple[float, float, float]:
@@ -203,18 +214,19 @@ def _noise_share(one: SubsystemResult[SubsystemModel], compared: Sequence[Compar
     return finite(float(np.median(shares))) if shares else 0.0
 
 
-def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, FittedModel]]:
-    """Return, for each finding, its key and the model that is refitted without it and what comes on top of it.
+def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, FittedModel, bool]]:
+    """Return, for each finding, its key, the model that is refitted without it and what comes on top of it, and whether it is gone there.
 
-    Not of one that is still there then: a lag and a delay of a valve that healthy valves have may together be more than a healthy one's.
+    A lag and a delay that healthy valves may each have may together be more than a healthy one's: then they are held to what that has.
     """
     reported = {finding.at for finding in one.findings}
     found = []
     for candidate in (candidate for candidate in one.named if candidate.at in reported):
         rest = drop_orphans([c for c in one.final.candidates if c.key != candidate.key])
         refitted = one.fits.fit(rest, one.final)
-        if not remains(candidate, refitted):
-            found.append((held_out_key(*candidate.at), refitted))
+        is_gone = not remains(candidate, refitted)
+        refitted = refitted if is_gone else one.fits.fit_holding(refitted, as_in_a_healthy_machine(candidate, refitted))
+        found.append((held_out_key(*candidate.at), refitted, is_gone))
     return found
 
 

@@ -8,7 +8,7 @@ import pytest
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, exceeds_healthy_limit, is_at_bound, remains
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, as_in_a_healthy_machine, exceeds_healthy_limit, is_at_bound, remains
 
 
 @pytest.mark.parametrize(
@@ -48,6 +48,8 @@ def test_left_out_an_effect_is_still_there_where_healthy_parts_of_it_make_up_mor
     candidate = Candidate("valve_lag", "piston", "delay", (asked,), ((5e-3,),), additive=additive)
     without = FittedModel((), Fit(tuple(values), values, np.zeros(4), np.zeros((4, 2))))
     assert remains(candidate, without) is there
+    if there:
+        assert sum(as_in_a_healthy_machine(candidate, without).values()) == pytest.approx(3e-3)
     with_it = FittedModel((candidate,), Fit((asked,), {asked: 0.006}, np.zeros(4), np.zeros((4, 1))))
     assert not remains(candidate, with_it)
 

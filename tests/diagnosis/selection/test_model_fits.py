@@ -152,3 +152,12 @@ def test_a_law_that_is_not_felt_where_it_begins_best_is_fitted_from_where_it_is(
     fits = ModelFits(model, ())
     found = fits.fit((law,), fits.fit(()))
     assert found.fit.values[law.parameters[0]] == pytest.approx(4.0, abs=0.2)
+
+
+def test_what_is_held_stays_where_it_is_and_the_rest_makes_up_for_it() -> None:
+    model = Waves(shapes={**SHAPES, "again": SHAPES["slow"]}, slow=3.0)
+    held, free = parameter("base", "slow"), parameter("base", "again")
+    fits = ModelFits(model, (held, free))
+    found = fits.fit_holding(fits.fit(()), {held: 1.0})
+    assert found.fit.values[held] == 1.0 and found.fit.parameters == (free,)
+    assert found.fit.values[free] == pytest.approx(2.0, abs=0.2)

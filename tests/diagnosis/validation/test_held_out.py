@@ -12,12 +12,13 @@ from scipy import stats
 
 from exo_sim.diagnosis.data.split import Split
 from exo_sim.diagnosis.discrepancy.signal import Discrepancy
-from exo_sim.diagnosis.estimation.parameters import PlantParameters
+from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.findings import SignalFit, Subsystem
 from exo_sim.diagnosis.policy.validation import BEYOND_HEALTHY, FEWEST_CHANGED, LEAST_INFLUENCE
 from exo_sim.diagnosis.selection.decision import decide
 from exo_sim.diagnosis.selection.finding_removal import without_findings
 from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
+from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.search import Search
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import unknown_effects
@@ -49,6 +50,26 @@ def test_a_true_finding_takes_the_error_down_to_the_noise() -> None:
     assert errors.where_acting["base@piston"] == pytest.approx(acting, rel=0.05)
     assert errors.beyond_healthy == {}  # nobody knows what healthy waves are like
     assert errors.spans == SPLIT.test
+
+
+def test_what_stays_as_parts_that_healthy_machines_may_each_have_is_held_to_what_a_healthy_machine_has() -> None:
+    """Two parts of up to 1 each stay where a candidate is left out, of a quantity of which a healthy machine has 1."""
+
+    def part(name: str, most: float, healthy: float = 0.0) -> FreeParameter:
+        prior = None if healthy else (0.0, 1.0)
+        return FreeParameter("late", "piston", f"late.{name}", "1", Target.SENSOR, 1.0, -most, most, prior, healthy_limit=healthy)
+
+    asked, size = part("slow", 10.0, healthy=1.0), 6.0
+    candidate = waves.Candidate("late", "piston", "slow", (asked,), ((1.0,),), additive=True)
+    model = waves.Waves(shapes={**waves.SHAPES, "again": waves.SHAPES["slow"]}, slow=size)
+    found = Search(model, (part("slow", 1.0), part("again", 1.0)), (candidate,), cheap=True).run()
+    one = decide("piston", model, ModelFits(model, (part("slow", 1.0), part("again", 1.0)), cheap=True), found)
+    assert [finding.name for finding in one.findings] == ["late"]
+    errors = held_out_errors([one], (), SPLIT)
+    without = np.sqrt(1.0 + (size - 1.0) ** 2 * np.mean(waves.SHAPES["slow"] ** 2))
+    assert errors.drops["late@piston"] == pytest.approx(1.0 - 1.0 / without, abs=0.03)
+    assert errors.gains["late@piston"].is_shown and "late@piston" in errors.costs
+    assert "late@piston" not in errors.left  # it is not gone: that says nothing of how small it may be
 
 
 def test_one_row_of_many_is_not_beyond_what_healthy_laws_get_wrong() -> None:

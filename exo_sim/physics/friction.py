@@ -79,14 +79,20 @@ def dry_force(c, z: float, v: float, level: float) -> float:
         return 0.0
     stiffness = bristle_stiffness(c, level)
     if c.presliding.stiffness > 0.0:
-        damping = presliding.damping(c.presliding, v, c.turning)
-        if c.effective_mass > 0.0 and c.step > 0.0:
-            damping = min(damping, c.effective_mass / c.step)
-        return stiffness * z + damping * (v - stiffness * abs(v) * z / level)
+        return stiffness * z + contact_damping(c, v) * (v - stiffness * abs(v) * z / level)
     force = stiffness * z
     if abs(force) < level:
         force += math.sqrt(stiffness * c.effective_mass) * v
     return min(max(force, -level), level)
+
+
+@kernel
+def contact_damping(c, v: float) -> float:
+    """Return the damping of the bristles of a declared presliding [N s/m or N m s/rad], never more than the time step resolves."""
+    damping = presliding.damping(c.presliding, v, c.turning)
+    if c.effective_mass > 0.0 and c.step > 0.0:
+        damping = min(damping, c.effective_mass / c.step)
+    return damping
 
 
 @kernel

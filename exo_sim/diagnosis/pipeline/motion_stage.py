@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Sequence
+from collections.abc import Collection, Hashable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import cast
 
@@ -32,12 +32,14 @@ from exo_sim.diagnosis.selection.sensor_zero import zeros_of_forces_within
 from exo_sim.diagnosis.selection.subset_weighing import SubsetWeighing
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.breakaway import with_breakaway
-from exo_sim.diagnosis.subsystems.motion.candidates import candidates, creep_of
+from exo_sim.diagnosis.subsystems.motion.candidates import candidates, creeps_at
 from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter
+from exo_sim.diagnosis.subsystems.motion.damped_contact import damped_contact, is_better
 from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large
 from exo_sim.diagnosis.subsystems.motion.rows import one_way
+from exo_sim.diagnosis.subsystems.motion.scales import MotionScales
 from exo_sim.physics.declaration import Parameter, declared, identification_of
 from exo_sim.physics.plant_records import CYLINDER
 from exo_sim.rig import assembly
@@ -148,19 +150,27 @@ def examine_balance(
         model = with_breakaway(model.with_contact(contact_scatter(every.left_by_everything(), model.speed)))
         asked = asked_of(model, data, plan, model.slowest_resolved, model.creeps_below)
 
-    def search_once(model: MotionModel, nuisances: Sequence[FreeParameter], creeps: Sequence[float] = ()) -> tuple[ModelFits, SearchResult]:
+    def search_once(
+        model: MotionModel, nuisances: Sequence[FreeParameter], asked: Sequence[Candidate],
+        contacts: Sequence[Mapping[FreeParameter, float]] = (),
+    ) -> tuple[ModelFits, SearchResult]:  # fmt: skip
         fits = ModelFits(model, nuisances, threads, True, is_spent)
         if model.size < FEWEST_ROWS:
             return fits, FamilySearch(fits, LinearFamily((), ()), joined((), 0)).run()
-        family = motion_family(model, nuisances, asked, creeps=creeps, is_spent=is_spent)
+        family = motion_family(model, nuisances, asked, contacts=contacts, is_spent=is_spent)
         return fits, FamilySearch(fits, family, model.discrepancy_basis(), standing).run()
 
     def search(nuisances: Sequence[FreeParameter]) -> tuple[ModelFits, SearchResult]:
-        fits, found = search_once(model, nuisances)
-        creep = creep_of(found.final.fit.values)
-        if creep > 0.0 and model.with_contact(None, creep).creeps and not is_spent():
+        fits, found = search_once(model, nuisances, asked)
+        for parameter, creep in creeps_at(found.final.fit.values).items():
             weighted = model.with_contact(None, creep)
-            return search_once(weighted, nuisances, [creep * share for share in NEAR_CREEP])
+            if weighted.creeps and not is_spent():
+                return search_once(weighted, nuisances, asked, [{parameter: creep * share} for share in NEAR_CREEP])
+        pistons = not (model.is_of_joint or is_spent())
+        damped = damped_contact(found.final, fits, asked, MotionScales.of(model).level) if pistons else None
+        if damped is not None and not is_spent():
+            other, again = search_once(model, nuisances, (*asked, damped.candidate), damped.near)
+            return (other, again) if is_better(again.final, found.final, other) else (fits, found)
         return fits, found
 
     held, outcome = search(nuisances)

@@ -111,9 +111,9 @@ def candidates(
     return tuple(found)
 
 
-def creep_of(values: Mapping[FreeParameter, float]) -> float:
-    """Return the speed at which dry friction has built up by what was fitted [m/s or rad/s]; 0 where it is there at once."""
-    return next((value for q, value in values.items() if q.effect == friction_smoothing.EFFECT.name), 0.0)
+def creeps_at(values: Mapping[FreeParameter, float]) -> dict[FreeParameter, float]:
+    """Return the speed at which dry friction has built up by what was fitted [m/s or rad/s]; nothing where it is there at once."""
+    return {q: value for q, value in values.items() if q.effect == friction_smoothing.EFFECT.name and value > 0.0}
 
 
 def _contact_laws(plant: PlantParameters, where: str, turning: bool, at_joint: bool, creeps_below: float) -> list[Candidate]:

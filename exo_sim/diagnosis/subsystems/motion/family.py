@@ -8,7 +8,7 @@ is linearised at a few values of that.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -40,7 +40,7 @@ UNNAMED = ("position", "time")
 
 def motion_family(
     model: MotionModel, nuisances: Sequence[FreeParameter], candidates: Sequence[Candidate], soft: bool = True,
-    creeps: Sequence[float] = (), is_spent: IsSpent = never,
+    contacts: Sequence[Mapping[FreeParameter, float]] = (), is_spent: IsSpent = never,
 ) -> LinearFamily:
     """Return the family of a balance of forces.
 
@@ -49,13 +49,12 @@ def motion_family(
         nuisances: Its nuisance parameters; those that are a candidate's number are left to the candidate.
         candidates: What may be present.
         soft: Whether contacts that do not slide at once are in it.
-        creeps: Speeds at which friction has built up, where it is known that it builds up with speed [m/s or rad/s]; the likeliest
-            first.
+        contacts: Numbers of the law by which its contact begins to slide, where that is known; the likeliest first.
         is_spent: Whether the time is up: then no more of them are.
     """
     asked = {q.slot for candidate in candidates for q in candidate.parameters}
     free = tuple(q for q in nuisances if q.prior is not None and q.slot not in asked)
-    return _Builder(model, free, candidates).family(soft, creeps, is_spent)
+    return _Builder(model, free, candidates).family(soft, contacts, is_spent)
 
 
 class _Builder:
@@ -67,16 +66,15 @@ class _Builder:
         self.unnamed = self._of_place_and_time(model.friction / model.noise if model.noise else 1.0)
         self.laws = LawTerms(model, nuisances, candidates, self.scales)
 
-    def family(self, soft: bool, creeps: Sequence[float], is_spent: IsSpent) -> LinearFamily:
-        linearisations = [] if creeps else [self._linearised(None, {})]
+    def family(self, soft: bool, contacts: Sequence[Mapping[FreeParameter, float]], is_spent: IsSpent) -> LinearFamily:
+        linearisations = [] if contacts else [self._linearised(None, {})]
         for candidate in self.candidates if soft else ():
             if candidate.effect in _CONTACT_LAWS:
-                (parameter,) = candidate.parameters
-                usual = [value for value in self._values_tried(candidate.effect) if parameter.low < value < parameter.high]
-                known = creeps if candidate.effect == friction_smoothing.EFFECT.name else ()
-                for value in known if creeps else usual:
+                known = [values for values in contacts if set(values) == set(candidate.parameters)]
+                tried = known if contacts else self._tried(candidate)
+                for values in tried:
                     if not linearisations or not is_spent():
-                        linearisations.append(self._linearised(candidate, {parameter: value}, len(usual)))
+                        linearisations.append(self._linearised(candidate, values, len(tried)))
         noise = self.model.noise or math.inf
         whole, least = self.model.friction / noise, self.model.healthy_friction / noise
         return LinearFamily(
@@ -100,15 +98,18 @@ class _Builder:
                 found.append(Term(candidate, columns, spread, (False,) * columns.shape[1], lambda sizes, before: {}, f"unnamed {name}"))
         return found
 
-    def _values_tried(self, effect: str) -> list[float]:
+    def _tried(self, candidate: Candidate) -> list[Mapping[FreeParameter, float]]:
         """Return the values at which an effect on the contact is tried."""
-        if effect == friction_smoothing.EFFECT.name:
-            low, high = CREEP_LOW * self.scales.slowest, CREEP_HIGH * self.scales.fastest
-            return list(np.geomspace(low, max(high, 1.01 * CREEP_LOW * self.scales.slowest), CREEPS))
+        (parameter,) = candidate.parameters
         turning = self.run.turning and self.run.cylinder is None
-        return [self.scales.level / travel for travel in JOINT_TRAVEL] if turning else list(PISTON_STIFFNESS)
+        if candidate.effect == friction_smoothing.EFFECT.name:
+            low, high = CREEP_LOW * self.scales.slowest, CREEP_HIGH * self.scales.fastest
+            values = list(np.geomspace(low, max(high, 1.01 * CREEP_LOW * self.scales.slowest), CREEPS))
+        else:
+            values = [self.scales.level / travel for travel in JOINT_TRAVEL] if turning else list(PISTON_STIFFNESS)
+        return [{parameter: value} for value in values if parameter.low < value < parameter.high]
 
-    def _linearised(self, candidate: Candidate | None, values: dict[FreeParameter, float], alternatives: int = 1) -> Linearisation:
+    def _linearised(self, candidate: Candidate | None, values: Mapping[FreeParameter, float], alternatives: int = 1) -> Linearisation:
         residual = partial(self.model.residual, fixed=tuple(values.items()))
         nominal = residual({})
         columns = []

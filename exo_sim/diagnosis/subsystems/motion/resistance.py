@@ -8,7 +8,7 @@ import numpy as np
 
 from exo_sim.physics.compiled import kernel
 from exo_sim.physics.conditions import Motion
-from exo_sim.physics.friction import dry_force, dry_level, move_bristle, steady_force
+from exo_sim.physics.friction import bristle_stiffness, contact_damping, dry_force, dry_level, move_bristle, steady_force
 
 #: Of the Gaussian of the filter, to either side of its centre; and of centres behind the start, a quarter of its standard deviation apart.
 NODES, CENTRES = 8, 8
@@ -24,7 +24,7 @@ def resistance_along(c, time, x, v, gauge, out):
         gauge: Pressures above the atmosphere, shape (n, 2).
         out: Result, shape (n,).
     """
-    z = 0.0
+    z, earlier, damping = 0.0, 0.0, 0.0
     for i in range(time.size):
         before, motion = z, Motion(x[i], v[i], z, gauge[i, 0], gauge[i, 1])
         level = dry_level(c, motion)
@@ -33,7 +33,14 @@ def resistance_along(c, time, x, v, gauge, out):
             motion = Motion(x[i], v[i], z, gauge[i, 0], gauge[i, 1])
             if (z > 0.0) != (before > 0.0) or (z < 0.0) != (before < 0.0):  # of a bent contact only the sign counts for the level
                 level = dry_level(c, motion)
-        out[i] = dry_force(c, z, v[i], level) + steady_force(c, motion)
+        out[i] = steady_force(c, motion)
+        if c.presliding.damping > 0.0 and level > 0.0:
+            out[i] += bristle_stiffness(c, level) * z
+            if i > 0:  # by how much bristles moved on, however few samples they took for it
+                out[i - 1] += damping * (z - earlier) / (time[i] - time[max(i - 2, 0)])
+            earlier, damping = before, contact_damping(c, v[i])
+        else:
+            out[i] += dry_force(c, z, v[i], level)
 
 
 @kernel

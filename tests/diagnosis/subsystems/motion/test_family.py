@@ -188,7 +188,9 @@ def test_a_rig_that_knows_its_friction_lacks_no_more_than_any_model_of_it() -> N
 def test_where_friction_is_known_to_build_up_with_speed_no_other_contact_is_weighed() -> None:
     model = MotionModel([motion_runs.balance(lost(coulomb=6.0), 0.1)], motion_runs.plant(), Split({}))
     asked = candidates(model.runs, model.nominal, model.where)
-    family = motion_family(model, nuisance_parameters(model.runs, model.nominal, model.where), asked, creeps=(2e-3, 1e-3))
+    (creep,) = next(one.parameters for one in asked if one.effect == "friction_smoothing")
+    nuisances = nuisance_parameters(model.runs, model.nominal, model.where)
+    family = motion_family(model, nuisances, asked, contacts=[{creep: 2e-3}, {creep: 1e-3}])
     assert [tuple(linear.values.values()) for linear in family.linearisations] == [(2e-3,), (1e-3,)]
     assert {linear.candidate.effect for linear in family.linearisations if linear.candidate} == {"friction_smoothing"}
 

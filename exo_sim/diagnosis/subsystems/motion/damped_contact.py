@@ -16,7 +16,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.policy import healthy, verdicts
 from exo_sim.diagnosis.policy.priors import PREVALENCE
 from exo_sim.diagnosis.selection.evidence import price_of_parameter
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_at_bound
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, is_at_bound, reach_of_bound
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.physics.effects import presliding
 
@@ -54,14 +54,17 @@ def damped_contact(found: FittedModel, fits: ModelFits, asked: Sequence[Candidat
     if contact is None or not found.candidates:
         return None
     others = tuple(c for c in found.candidates if c.effect != contact.effect)
-    fitted = [(contact, fits.fit((*others, contact), found)) for contact in _contacts(contact.where, level)]
-    contact, best = min((pair for pair in fitted if not is_at_bound(*pair)), key=lambda pair: pair[1].fit.sse)
-    if not is_better(best, found, fits, verdicts.SHAPE_NEEDED):
-        return None
-    stiffness, damping = contact.parameters
-    values = best.fit.values
-    near = tuple({stiffness: values[stiffness], damping: share * values[damping]} for share in NEAR_DAMPING)
-    return DampedContact(contact, near)
+    for damped in _contacts(contact.where, level):
+        stiffness, damping = damped.parameters
+        model = fits.fit((*others, damped), found)
+        values = model.fit.values
+        if damped.is_law and values[stiffness] - stiffness.low < reach_of_bound(stiffness, values[stiffness]):
+            continue  # softer, if at all
+        if is_at_bound(damped, model) or not is_better(model, found, fits, verdicts.SHAPE_NEEDED):
+            return None
+        near = tuple({stiffness: values[stiffness], damping: share * values[damping]} for share in NEAR_DAMPING)
+        return DampedContact(damped, near)
+    return None
 
 
 def is_better(one: FittedModel, other: FittedModel, fits: ModelFits, by: float = 0.0) -> bool:

@@ -32,6 +32,7 @@ from exo_sim.diagnosis.selection.fitted_model import (
     is_more_than_healthy,
 )
 from exo_sim.diagnosis.selection.held_out_gain import gain_in_errors
+from exo_sim.diagnosis.selection.left_out import left_out
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, deviations, refitted_besides
 from exo_sim.diagnosis.selection.remainder import Remainder, has_bursts
@@ -247,18 +248,14 @@ class _Decision(Generic[Model]):
             least = min(kept, key=lambda candidate: gains[candidate.key])
             if gains[least.key] > STEADY_GAIN:
                 return tuple(kept)
-            model = self._left_out(least, model)
+            model = self.fits.fit(drop_orphans(model.without(least)), model)
             kept = [candidate for candidate in kept if candidate in model.candidates]
         return ()
-
-    def _left_out(self, candidate: Candidate, model: FittedModel) -> FittedModel:
-        """Return the fit of a model without a candidate, and what comes on top of it."""
-        return self.fits.fit(drop_orphans(model.without(candidate)), model)
 
     def _held_out_gain(self, candidate: Candidate, model: FittedModel) -> float:
         """Return by how much a candidate lowers the held-out error of a model, in standard errors of that over blocks."""
         assert self._kept_back is not None
-        both = (self._left_out(candidate, model), model)
+        both = (left_out(candidate, model, self.fits).model, model)
         return gain_in_errors(self._kept_back, *(self._kept_back.residual(one.fit.values, one.fixed) for one in both))
 
     @cached_property

@@ -10,12 +10,11 @@ from numpy.typing import NDArray
 from scipy import stats
 
 from exo_sim.diagnosis.data.split import Split
-from exo_sim.diagnosis.estimation.candidate import drop_orphans
 from exo_sim.diagnosis.estimation.correlation import correlation_time, rms
 from exo_sim.diagnosis.findings import Series, SignalFit, Subsystem, held_out_key
 from exo_sim.diagnosis.policy import validation
-from exo_sim.diagnosis.selection.fitted_model import FittedModel, as_in_a_healthy_machine, remains
 from exo_sim.diagnosis.selection.held_out_gain import HeldOutGain
+from exo_sim.diagnosis.selection.left_out import LeftOut, left_out
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.selection.unknown_effect import UnknownEffect, effect_of
 from exo_sim.diagnosis.subsystem_model import Comparison, SubsystemModel
@@ -67,7 +66,7 @@ def held_out_errors(
         balances[one.key] = BalanceError(error, rms(one.final.fit.residual), model.discrepancy_bound, odds)
         named = model.residual_of(one.final_plant)  # a curve for what has no name is not to a name's credit
         misfit = one.model.healthy_misfit() if one.findings else np.zeros(one.model.size)
-        for key, refitted, is_gone in _left_out(one):
+        for key, (refitted, is_gone) in _left_out(one):
             other = model.residual_of(one.plant_of(refitted))
             with_it, lacking = rms(named), rms(other)
             differs = finite(rms(other - named))
@@ -214,20 +213,11 @@ def _noise_share(one: SubsystemResult[SubsystemModel], compared: Sequence[Compar
     return finite(float(np.median(shares))) if shares else 0.0
 
 
-def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, FittedModel, bool]]:
-    """Return, for each finding, its key, the model that is refitted without it and what comes on top of it, and whether it is gone there.
-
-    A lag and a delay that healthy valves may each have may together be more than a healthy one's: then they are held to what that has.
-    """
+def _left_out(one: SubsystemResult[SubsystemModel]) -> list[tuple[str, LeftOut]]:
+    """Return, for each finding, its key and the model without it."""
     reported = {finding.at for finding in one.findings}
-    found = []
-    for candidate in (candidate for candidate in one.named if candidate.at in reported):
-        rest = drop_orphans([c for c in one.final.candidates if c.key != candidate.key])
-        refitted = one.fits.fit(rest, one.final)
-        is_gone = not remains(candidate, refitted)
-        refitted = refitted if is_gone else one.fits.fit_holding(refitted, as_in_a_healthy_machine(candidate, refitted))
-        found.append((held_out_key(*candidate.at), refitted, is_gone))
-    return found
+    asked = [candidate for candidate in one.named if candidate.at in reported]
+    return [(held_out_key(*candidate.at), left_out(candidate, one.final, one.fits)) for candidate in asked]
 
 
 def _drop_with_unknown(

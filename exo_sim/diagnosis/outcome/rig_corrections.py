@@ -11,7 +11,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import bounded_interval, interval
 from exo_sim.diagnosis.nominal_numbers import DEAD_VOLUME, FLOW_CAPACITY, JOINT_DAMPING, JOINT_INERTIA, PAYLOAD_MASS, SET_PRESSURE
 from exo_sim.diagnosis.policy.off_nominal import GAIN_SHARE, HELD_WITHIN
-from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, is_declared
+from exo_sim.diagnosis.selection.nuisance_calibration import Deviation, error_of_law, is_declared
 from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystem_model import SubsystemModel
 from exo_sim.diagnosis.subsystems.motion.moving_masses import PAYLOAD
@@ -41,7 +41,8 @@ def corrections(data: MachineData, result: SubsystemResult[SubsystemModel]) -> l
             continue
         whole, value = parameter.prior[0] if parameter.prior else 0.0, values[parameter]
         if whole:
-            one = _correction(data, Deviation(parameter, value / whole, error / abs(whole)))
+            known = error_of_law(parameter, value, error) if is_declared(parameter.effect) else error
+            one = _correction(data, Deviation(parameter, value / whole, known / abs(whole)))
             if one is not None:
                 found.append(replace(one, note=_note(parameter, value)))
         elif value or _is_given(data.rig, parameter):  # else the rig leaves it out: the dead time of its valve's lag, or how that goes on

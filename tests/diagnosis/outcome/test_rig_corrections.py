@@ -14,6 +14,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.least_squares import Fit
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, Target
 from exo_sim.diagnosis.outcome.rig_corrections import BEYOND_SHEET_NOTE, WITHIN_SHEET_NOTE, corrections
+from exo_sim.diagnosis.outcome.small_findings import small_findings
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.nuisance_calibration import Deviation
@@ -75,6 +76,14 @@ def test_what_was_only_refitted_has_a_note_that_is_true_of_it(data: MachineData,
     (made,) = corrections(data, replace(result({AREA: by}), refitted=((AREA, 0.01),)))
     assert made.note == note and made.value == pytest.approx(by * 2e-6)
     assert made.interval is not None and made.interval[0] < made.value < made.interval[1]
+
+
+def test_a_number_of_a_law_has_the_interval_there_that_the_report_gives_it(data: MachineData) -> None:
+    """A law is never quite the machine's: a thousandth, as the fit has it, would be no error of the machine's number."""
+    off = replace(result({FRICTION: 13.0}), refitted=((FRICTION, 0.01),))
+    (made,) = corrections(data, off)
+    (said,) = small_findings([off], ())
+    assert made.interval == pytest.approx((said.parameters["force"].low, said.parameters["force"].high))
 
 
 def test_what_the_rig_file_does_not_hold_is_not_corrected_in_it(data: MachineData) -> None:

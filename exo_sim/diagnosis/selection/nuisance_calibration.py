@@ -89,7 +89,7 @@ def deviations(
             is_off = abs(math.log(factor)) * factor > SURE * error if factor > 0.0 else 1.0 - factor > SURE * error
         else:
             far = parameter.prior is not None and abs(factor - 1.0) > BEYOND_SHEET.get(parameter.effect, math.inf) * parameter.prior[1]
-            surely = max(SURE * plain.get(parameter, math.inf), HALF_WIDTH * error, WORTH[parameter.effect])
+            surely = max(SURE * plain.get(parameter, math.inf), HALF_WIDTH * max(error, GAIN_SHARE), WORTH[parameter.effect])
             is_off = far or abs(factor - 1.0) > surely
         if is_off:
             with_it = as_counted(parameter, model.fit.values)

@@ -235,3 +235,14 @@ def test_a_number_is_off_by_the_fit_and_not_within_what_the_form_of_the_laws_lea
 
     assert off(1.10, 0.01, 0.04) and not off(1.06, 0.01, 0.04)
     assert not off(1.10, 0.04, 0.04) and off(1.10, 0.01, 0.01)
+
+
+@pytest.mark.parametrize(("factor", "off"), [(1.0054, False), (1.0066, True), (0.9934, True)])
+def test_a_number_is_off_by_more_than_the_gains_of_the_sensors_that_it_was_measured_through(factor: float, off: bool) -> None:
+    """Else its interval, which is no narrower than they leave it, would hold what the rig says."""
+    mass = number("payload_mass", "slide", "payload_mass")
+    model = FittedModel((), Fit((mass,), {mass: factor}, np.zeros(4), np.zeros((4, 1))))
+    found = calibration_findings(deviations(model, {mass: 1e-4}))
+    assert bool(found) == off
+    for one in found:
+        assert not one.parameters["factor"].low <= 1.0 <= one.parameters["factor"].high

@@ -71,7 +71,8 @@ def bounds(parameter: Parameter) -> tuple[str, str]:
     """Return the typical range and the bounds of a parameter as text."""
     if parameter.choices:
         return " or ".join(parameter.choices), ""
-    return _range(*parameter.typical), _range(parameter.low, parameter.high)
+    ends = _range(parameter.low, parameter.high)
+    return _range(*parameter.typical), f"2 to {parameter.most} numbers, {ends}" if parameter.most else ends
 
 
 def _range(low: float, high: float) -> str:

@@ -44,3 +44,8 @@ def test_document_is_up_to_date(repository: Path) -> None:
     for name, effect in declared().items():
         assert section(effect) in text, "run scripts/document_effects"
         assert (repository / "docs" / "pictures" / "effects" / f"{name}.png").is_file()
+
+
+def test_a_list_says_how_many_numbers_it_holds() -> None:
+    named = {row[0]: row for row in effect_page.rows(declared()["unknown"])}
+    assert named["at"][3].startswith("2 to 16 numbers, ")

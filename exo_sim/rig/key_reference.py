@@ -65,7 +65,8 @@ MEANINGS = {
     "recovery.pressure": "of that tank at the start, absolute; the law of the valves keeps it near this",
     "cylinders.NAME.actuator": "MJCF motor whose control takes the rod force; + pushes the rod out",
     "cylinders.NAME.bore": "diameter of the piston",
-    "cylinders.NAME.rod": "diameter of the rod, on the side of chamber 2; 0 where there is none",
+    "cylinders.NAME.rod": "diameter of the rod, on the side of chamber 2; 0 where there is none. Of a rod through both ends say 0, and "
+    "sqrt(bore^2 - rod^2) as the bore",
     "cylinders.NAME.stroke": "from the far left end (X = 0) to the other",
     "cylinders.NAME.retracted_length": "length of the actuator's transmission at X = 0; + is longer",
     "cylinders.NAME.dead_volume_1": "volume left in chamber 1 at X = 0, hose included",

@@ -99,8 +99,8 @@ LOST = Number(
 )  # fmt: skip
 SHAPE_NEEDED = Number(
     5.0, "log-evidence",
-    "a law has one number more (the power of a film, the tail of a dip) where it is better by more; else it stays plain, and what the "
-    "other would say widens its intervals",
+    "a law has one number more (the power of a film, the tail of a dip, the damping of bristles) where it is better by more; else it "
+    "stays plain, and what the other would say widens its intervals",
     "derived from the scale of Kass and Raftery (1995): very strong evidence, for contacts that creep as no law here does look like a "
     "film that thins",
 )  # fmt: skip

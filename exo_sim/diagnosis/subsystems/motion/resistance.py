@@ -41,6 +41,7 @@ def resistance_along(c, time, x, v, gauge, out):
             earlier, damping = before, contact_damping(c, v[i])
         else:
             out[i] += dry_force(c, z, v[i], level)
+            damping = 0.0
 
 
 @kernel

@@ -38,7 +38,7 @@ ABOUT = {
     "subsystems/healthy_leak.py": {"external_leakage"},
     # the contact that every seal has, in two forms
     "subsystems/motion/candidates.py": {"friction_smoothing", "presliding", "sensor_bias"},
-    "subsystems/motion/damped_contact.py": {"presliding"},
+    "pipeline/damped_contact.py": {"presliding"},
     "subsystems/motion/model.py": {"presliding"},
     # each law of resistance as columns of a linear problem
     "subsystems/motion/family.py": {"friction_smoothing", "presliding", "stribeck_friction"},

@@ -18,6 +18,7 @@ from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
 from exo_sim.diagnosis.outcome.sensor_faults import faulty_scales, faulty_zeros
 from exo_sim.diagnosis.outcome.small_findings import small_findings
+from exo_sim.diagnosis.outcome.untested_balances import untested_balances
 from exo_sim.diagnosis.outcome.verdict import distinct, next_experiment, swings_astray, verdict_of
 from exo_sim.diagnosis.outcome.wrong_sizes import advice, suspected_bores
 from exo_sim.diagnosis.pipeline.freed_memory import return_freed, return_large_arrays
@@ -109,7 +110,8 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     without_noise = computed_columns.computed(data.recordings, list(dict.fromkeys([*test.signals, *kept.free_run])))
     noise_said = [computed_columns.remark(without_noise)] if without_noise else []
     together = [_TOGETHER] if kept.update.is_fitted_together and kept.update.parts else []
-    remarks = (*data.remarks, *said, *together, *noise_said, *([_STOPPED] if allowed.stopped else []))
+    untested = untested_balances(results.all, test.influence)
+    remarks = (*data.remarks, *said, *together, *untested, *noise_said, *([_STOPPED] if allowed.stopped else []))
     by_chance = tuple(kept.by_chance())
     small = (*found.small, *small_findings(results.all, [*findings, *found.small]))
     judged = {one.model.kind for one in results.all if not one.is_empty and not one.is_unresolved}

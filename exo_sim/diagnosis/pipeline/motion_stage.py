@@ -20,6 +20,7 @@ from exo_sim.diagnosis.estimation.linear_family import LinearFamily
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Kind, OpenQuestion
+from exo_sim.diagnosis.pipeline.damped_contact import damped_contact, is_better
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
 from exo_sim.diagnosis.policy.budgets import FORCES_UNTIL, GAS_UNTIL
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS
@@ -34,7 +35,6 @@ from exo_sim.diagnosis.selection.subsystem_result import SubsystemResult
 from exo_sim.diagnosis.subsystems.motion.breakaway import with_breakaway
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates, creeps_at
 from exo_sim.diagnosis.subsystems.motion.contact_scatter import contact_scatter
-from exo_sim.diagnosis.subsystems.motion.damped_contact import damped_contact, is_better
 from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters, with_damping, with_damping_if_too_large

@@ -8,11 +8,11 @@ from diagnosis import motion_runs
 from diagnosis.motion_runs import TIME
 
 from exo_sim.diagnosis.data.split import Split
+from exo_sim.diagnosis.pipeline.damped_contact import DampedContact, damped_contact
 from exo_sim.diagnosis.selection.family_search import FamilySearch
 from exo_sim.diagnosis.selection.fitted_model import SearchResult
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.subsystems.motion.candidates import candidates
-from exo_sim.diagnosis.subsystems.motion.damped_contact import DampedContact, damped_contact
 from exo_sim.diagnosis.subsystems.motion.family import motion_family
 from exo_sim.diagnosis.subsystems.motion.model import MotionModel
 from exo_sim.diagnosis.subsystems.motion.nuisances import nuisance_parameters

@@ -110,7 +110,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     without_noise = computed_columns.computed(data.recordings, list(dict.fromkeys([*test.signals, *kept.free_run])))
     noise_said = [computed_columns.remark(without_noise)] if without_noise else []
     together = [_TOGETHER] if kept.update.is_fitted_together and kept.update.parts else []
-    untested = untested_balances(results.all, test.influence)
+    untested = untested_balances(results.all, test.balances, test.influence)
     remarks = (*data.remarks, *said, *together, *untested, *noise_said, *([_STOPPED] if allowed.stopped else []))
     by_chance = tuple(kept.by_chance())
     small = (*found.small, *small_findings(results.all, [*findings, *found.small]))

@@ -75,7 +75,7 @@ def inlined_kernel(function: Function) -> Function:
 
     Records, arrays and tuples take a while to hand over: with the calls of one step inlined a prediction takes little more than half.
     """
-    return LinkedKernel(function, kernel(function), **_OPTIONS)  # type: ignore[return-value]
+    return LinkedKernel(function, kernel, **_OPTIONS)  # type: ignore[return-value]
 
 
 class _Kept(FunctionCache):  # type: ignore[misc]

@@ -52,29 +52,34 @@ class _Linking(Compiler):  # type: ignore[misc]
 class LinkedKernel:
     """A function of numbers, arrays and records that compiled code has inlined, and Python calls as machine code of its own.
 
+    numba is asked for either when it is wanted: what is taken from the kept code has all of it inlined already.
+
     Args:
         function: The function.
-        own: The same, compiled to be called from Python.
+        kernel: Compiles it to be called from Python.
         options: How numba compiles it.
     """
 
-    def __init__(self, function: Callable[..., Any], own: Callable[..., Any], **options: Any) -> None:
+    def __init__(self, function: Callable[..., Any], kernel: Callable[[Callable[..., Any]], Callable[..., Any]], **options: Any) -> None:
         functools.update_wrapper(self, function)
-        self.py_func, self._own = function, own
-        compiler: Any = numba.njit
-        self._linked = compiler(
-            forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_Linking, **options
-        )(function)  # fmt: skip
+        self.py_func, self._kernel, self._options = function, kernel, options
 
     def __call__(self, *arguments: Any) -> Any:
         return self._own(*arguments)
 
-    @property
-    def kind(self) -> Any:
-        """What numba takes it for where compiled code calls it."""
-        return types.Dispatcher(self._linked)
+    @functools.cached_property
+    def _own(self) -> Callable[..., Any]:
+        return self._kernel(self.py_func)
+
+    @functools.cached_property
+    def linked(self) -> Any:
+        """Numba's dispatcher where compiled code calls it."""
+        compiler: Any = numba.njit
+        return compiler(
+            forceinline=True, no_cpython_wrapper=True, no_cfunc_wrapper=True, pipeline_class=_Linking, **self._options
+        )(self.py_func)  # fmt: skip
 
 
 @typeof_impl.register(LinkedKernel)
 def _type_of(value: LinkedKernel, context: object) -> Any:
-    return value.kind
+    return types.Dispatcher(value.linked)

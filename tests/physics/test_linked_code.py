@@ -49,7 +49,7 @@ def test_linked_code_has_no_machine_code_of_its_own() -> None:
     assert in_this_process((2.0, 3.0)) == 15.0
     for inlined in (squared, of_both):
         assert isinstance(inlined, LinkedKernel)
-        linked = [one.library for one in inlined.kind.dispatcher.overloads.values()]
+        linked = [one.library for one in inlined.linked.overloads.values()]
         assert linked
         assert all(one.get_pointer_to_function(name.name) == 0 for one in linked for name in one.get_defined_functions())
 

@@ -166,12 +166,13 @@ def examine_balance(
             weighted = model.with_contact(None, creep)
             if weighted.creeps and not is_spent():
                 return search_once(weighted, nuisances, asked, [{parameter: creep * share} for share in NEAR_CREEP])
-        pistons = not (model.is_of_joint or is_spent())
-        damped = damped_contact(found.final, fits, asked, MotionScales.of(model).level) if pistons else None
-        if damped is not None and not is_spent():
-            other, again = search_once(model, nuisances, (*asked, damped.candidate), damped.near)
-            return (other, again) if is_better(again.final, found.final, other) else (fits, found)
-        return fits, found
+        if model.is_of_joint or is_spent():
+            return fits, found
+        damped = damped_contact(found.final, fits, asked, MotionScales.of(model).level)
+        if damped is None or is_spent():
+            return fits, found
+        other, again = search_once(model, nuisances, (*asked, damped.candidate), damped.near)
+        return (other, again) if is_better(again.final, found.final, other) else (fits, found)
 
     held, outcome = search(nuisances)
     freed = with_damping(model, nuisances)

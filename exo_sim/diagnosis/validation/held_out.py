@@ -71,8 +71,8 @@ def held_out_errors(
             with_it, lacking = rms(named), rms(other)
             differs = finite(rms(other - named))
             costs[key] = differs * _noise_share(one, compared)
-            gain = _gain(named, other, model.blocks)
-            if not (is_gone or (differs > validation.LEAST_INFLUENCE and gain.is_shown)):
+            gain = _gain(named, other, model.blocks) if differs > validation.LEAST_INFLUENCE else None
+            if not (is_gone or (gain is not None and gain.is_shown)):
                 continue  # what a healthy machine has of it may be all that shows there
             drops[key] = finite(1.0 - with_it / lacking) if lacking > 0.0 else 0.0
             influence[key] = differs
@@ -83,7 +83,7 @@ def held_out_errors(
                 beyond = _beyond(change, misfit)
                 if beyond is not None:
                     beyond_healthy[key] = beyond
-            if differs <= validation.LEAST_INFLUENCE:  # what changes nothing was not tested
+            if gain is None:  # what changes nothing was not tested
                 where_acting[key] = _missed_where_acting(refitted.fit.residual, change)
                 continue
             where_acting[key] = _missed_where_acting(other, other - named)

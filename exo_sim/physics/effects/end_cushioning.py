@@ -37,6 +37,21 @@ EFFECT = Effect(
 )
 
 
+#: So far beyond the place where a cushion's seal closes a step ends that goes up to it [m].
+_BEYOND = 1e-9
+
+
+@kernel
+def reached(p, x: float, end: float, stroke: float) -> float:
+    """Return after which share of a piston's way from `x` to `end` [m] a cushion's seal closes or opens next; 1 where none does."""
+    share = 1.0
+    for place in (p.length, stroke - p.length):
+        ahead = (place - x) / (end - x)
+        if ahead > 0.0:
+            share = min(share, ahead + _BEYOND / abs(end - x))
+    return share
+
+
 @kernel
 def outlet(p, area: float, from_end: float) -> float:
     """Return the area left to gas that leaves a chamber whose piston is `from_end` metres from its end [m^2].

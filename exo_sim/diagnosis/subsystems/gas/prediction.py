@@ -13,7 +13,7 @@ from exo_sim.diagnosis.subsystems.gas.initial_play import begun_plays
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs
 from exo_sim.physics import chamber, plant, state
 from exo_sim.physics.compiled import borrow, kernel, own_array, own_copy
-from exo_sim.physics.effects import line_restriction, valve_hysteresis, valve_lag
+from exo_sim.physics.effects import exhaust_back_pressure, line_restriction, valve_hysteresis, valve_lag
 from exo_sim.physics.nodes import change_hose_pressure, change_pressure
 from exo_sim.physics.pneumatics import Pneumatics
 from exo_sim.physics.settling import hot_gas, settling_rate
@@ -159,11 +159,27 @@ def _widen_hose(world: NDArray[np.void], cylinder: NDArray[np.void], seconds: fl
         hose["volume"] = line_restriction.node_volume(hose[0]) + line_restriction.middle_volume(hose[0])
         hose["length"] = 0.0
     area, volume = float(hose["area"][0]), float(hose["volume"][0])
-    more = settling_rate(area, 1.0, hot_gas(float(world["k"][0]), float(world["r"][0]))) * seconds - volume
+    more = _volume_that_settles(world, area, seconds) - volume
     if area > 0.0 and more > 0.0:
         hose["volume"] = volume + more
         for side in ("dead_volume_1", "dead_volume_2"):
             cylinder[side] = np.maximum(cylinder[side] - more, 0.5 * cylinder[side])
+
+
+def _widen_silencer(world: NDArray[np.void], seconds: float) -> None:
+    """Enlarge a silencer that settles faster than in some seconds until it settles in these: towards equal pressures 50 times faster.
+
+    How much gas it holds is hardly seen then, but for what is drawn back from it, which comes as cold as it left. Machine m10 of the
+    twelfth stranger, 200 samples a second, a silencer of 20 cm^3: as wide as ten valves a prediction took 64 ms, so widened 12 ms (2.8 ms
+    without one), and as wide as three it differs by 1.3 Pa.
+    """
+    silencer = world[exhaust_back_pressure.EFFECT.name]
+    silencer["volume"] = np.maximum(silencer["volume"], _volume_that_settles(world, float(silencer["area"][0]), seconds))
+
+
+def _volume_that_settles(world: NDArray[np.void], area: float, seconds: float) -> float:
+    """Return which volume settles in some seconds behind a choked path [m^3]."""
+    return settling_rate(area, 1.0, hot_gas(float(world["k"][0]), float(world["r"][0]))) * seconds
 
 
 @dataclass(frozen=True)
@@ -245,6 +261,7 @@ def run_gas(
     if behind_hose(cylinder):
         world["longest_step"] = min(world["longest_step"][0], max(feed.hose_step or HOSE_STEP, RESOLVED * usual))
     _widen_hose(world, cylinder, resolved(usual))
+    _widen_silencer(world, resolved(usual))
     n = len(feed.time)
     length = feed.length
     if length_delay != card_delay:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from exo_sim.diagnosis.subsystems.gas.inputs import GasInputs, inputs
 from exo_sim.diagnosis.subsystems.gas.prediction import EACH_EFFORT, SETTLED, effort_of, resolved, run_gas, shows_waves
 from exo_sim.physics.plant_records import CYLINDER, WORLD
-from exo_sim.physics.pneumatics import paper_cylinder
+from exo_sim.physics.pneumatics import Pneumatics, paper_cylinder
 from exo_sim.physics.settling import hot_gas, settling_rate
 
 N = 1500
@@ -67,6 +67,25 @@ def test_a_hose_that_settles_at_once_is_no_other_than_one_that_settles_within_a_
     feed = given(world)
     np.testing.assert_array_equal(run_gas(feed, world, cylinder).pressure, run_gas(feed, world, wide).pressure)
     assert explicit["line_restriction"]["volume"][0] == cylinder["line_restriction"]["volume"][0] == 2e-7  # what was handed in stays
+
+
+@pytest.mark.parametrize("valves", [1.0, 3.0, 10.0])
+def test_how_much_a_silencer_holds_that_settles_at_once_hardly_shows(valves: float) -> None:
+    """Of one that holds 2 cm^3 and is as wide as ten valves it shows most: what is drawn back from it comes as cold as it left."""
+    world, cylinder = machine()
+    silencer, feed = world["exhaust_back_pressure"], given(world)
+    silencer["area"], silencer["volume"] = 2e-6 * valves, 2e-6
+    widened = run_gas(feed, world, cylinder).pressure
+    gas, seen = Pneumatics(world, cylinder, dt=STEP), np.empty((N, 2))
+    gas.fill(feed.length[:1], 3e5, 3e5)
+    for i in range(N):
+        if i:
+            gas.advance(feed.length[i - 1 : i], feed.length[i : i + 1], feed.command[i - 1 : i])
+        seen[i] = gas.pressures(feed.length[i : i + 1])[0]
+    assert np.sqrt(np.mean((widened - seen) ** 2)) < 1.5e-3 * np.mean(seen[:, 1])
+    silencer["volume"] = settling_rate(2e-6 * valves, 1.0, hot_gas(1.4, 287.05)) * SETTLED
+    if silencer["volume"][0] > 2e-6:
+        np.testing.assert_array_equal(run_gas(feed, world, cylinder).pressure, widened)
 
 
 def test_a_hose_costs_more_of_an_effort_and_most_behind_it_and_of_a_slow_logger() -> None:

@@ -71,7 +71,7 @@ def test_a_long_step_that_meets_the_seal_is_as_good_as_short_ones(places: tuple[
 
 @pytest.mark.parametrize(
     ("x", "end", "share"),
-    [(0.03, 0.0, 2.0 / 3.0), (0.0, 0.03, 1.0 / 3.0), (0.07, 0.1, 2.0 / 3.0), (0.005, 0.095, 5.0 / 90.0), (0.03, 0.05, 1.0), (0.01, 0.0, 1.0)],
+    [(0.03, 0.0, 2 / 3), (0.0, 0.03, 1 / 3), (0.07, 0.1, 2 / 3), (0.005, 0.095, 5 / 90), (0.03, 0.05, 1.0), (0.01, 0.0, 1.0)],
 )  # fmt: skip
 def test_the_next_seal_on_a_way(x: float, end: float, share: float) -> None:
     assert end_cushioning.reached(_Cushion(0.01, 2e-7), x, end, 0.1) == pytest.approx(share, abs=1e-6)

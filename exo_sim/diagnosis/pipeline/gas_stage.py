@@ -79,11 +79,9 @@ class Searched:
         """
         if (standing := self.standing(cylinder, test_time, friction, asked)) is not None:
             return WarmStart(begun=standing, asks_together=lambda _: False)
-        if (earlier := self.of_other_time(cylinder, test_time, asked)) is not None:
-            return WarmStart(begun=earlier)
         before = self._latest_result(cylinder, lambda time, known: time == test_time and known != friction)
         if before is None:
-            return WarmStart()
+            return WarmStart(begun=self.of_other_time(cylinder, test_time, asked))
         ended = not before.search.interrupted and all(self.results[key] is not before for key in self.stopped)
         once = ended and not softens(before.search.final)
         return WarmStart(begun=_asked_of(before.search.final, asked), asks_together=softens if once else lambda _: True)

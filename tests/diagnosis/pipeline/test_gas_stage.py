@@ -178,6 +178,8 @@ def test_all_are_asked_together_once_unless_the_friction_of_a_piston_makes_a_tra
     assert asked_by(Searched({key: first}), None) == (True, False, False)  # the same rows, one refuted
     assert asked_by(Searched({key: first}), None, "beginning") == (True, True, True)  # other rows
     assert asked_by(Searched({key: first}), "with friction") == (True, False, True)
+    both = Searched({key: first, ("piston", "beginning", "asked", None): first})
+    assert asked_by(both, "with friction", "beginning") == (True, False, True)  # rather with the same rows than with other ones
     assert asked_by(Searched({key: first}, {key}), "with friction") == (True, True, True)  # it ended early, perhaps before it asked
     interrupted = replace(first, search=replace(first.search, interrupted=True))
     assert asked_by(Searched({key: interrupted}), "with friction") == (True, True, True)

@@ -172,6 +172,10 @@ class Proposals:
                 found.append(replace(form, starts=tuple(starts)))
         return found
 
+    def laws(self, now: FittedModel) -> list[Candidate]:
+        """Return the laws by which what a model has may act, and that it does not have."""
+        return [one for one in self.candidates if one.is_law and one.at not in now.named and now.meets_prerequisite(one)]
+
     def forms_of(self, candidate: Candidate) -> list[Candidate]:
         """Return the other forms of a candidate's effect, also those in which its law goes on."""
         return [one for one in (*self.candidates, *self._further) if one.at == candidate.at and one.key != candidate.key]

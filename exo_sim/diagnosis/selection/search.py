@@ -213,7 +213,8 @@ class _Growth:
     def _gone_on(self, now: FittedModel) -> FittedModel:
         """Return a model that leaves something with its findings in the further forms that are accepted, and what shows beside these alone.
 
-        They are asked where a search ends: before, what is left is mostly of what was not found yet.
+        They are asked where a search ends: before, what is left is mostly of what was not found yet. Where a law alone is new beside what a
+        healthy machine leaves, no further name is sought: it would be of what another law gets wrong.
         """
         for _ in range(MOST_FURTHER):
             if self.comparisons.is_clean(now) or self._is_over():
@@ -221,7 +222,9 @@ class _Growth:
             richer = with_further_forms(now, self.fits, self.comparisons, self.proposals)
             if richer is now:
                 break
-            now = self._completed(self.fits.refined(richer))
+            is_law_alone = set(now.candidates) <= set(richer.candidates) and self.joint.is_within_bound(now)
+            now = self.fits.refined(richer)
+            now = now if is_law_alone else self._completed(now)
         return now
 
     def _swapped(self, best: FittedModel) -> SearchResult:

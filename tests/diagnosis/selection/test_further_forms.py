@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from diagnosis.waves import BASE, OTHER, Waves, candidate, parameter
+from diagnosis.waves import BASE, ON_TOP, OTHER, Waves, candidate, parameter
 
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import PlantParameters
@@ -74,6 +74,17 @@ def test_a_further_form_is_no_candidate_and_asked_of_no_other_effect() -> None:
     assert FURTHER not in one.proposals.candidates
     elsewhere = replace(FURTHER, further=frozenset())
     assert one.proposals.further(elsewhere, now) == []
+
+
+@pytest.mark.parametrize(("found", "quick", "acts"), [(BASE, 4.0, True), (BASE, 0.0, False), (OTHER, 4.0, False)])
+def test_by_what_law_a_finding_acts_is_asked_though_a_healthy_machine_leaves_as_much(found: Candidate, quick: float, acts: bool) -> None:
+    """What a law gets wrong ends in the numbers of what was found; another name, which is no law of it, is not asked here."""
+    law = replace(ON_TOP, is_law=True)
+    one = Search(Waves(bound=1e9, slow=8.0, quick=quick, quicker=4.0), (), (BASE, OTHER, law))
+    bare = one.fits.fit(())
+    now = one.fits.refined(one.fits.fit((found,), bare))
+    richer = with_further_forms(now, one.fits, Comparisons(one.fits, bare, 3, 0.0), one.proposals)
+    assert richer.candidates == ((found, law) if acts else (found,))
 
 
 def test_a_search_ends_with_the_further_form() -> None:

@@ -30,9 +30,9 @@ ABOUT = {
     # the nozzle or the ellipse that stands for it; the curve of what is unknown
     "subsystems/gas/model.py": {"critical_ratio"},
     "subsystems/gas/unknown_curve.py": {"unknown"},
-    # where the pressure sensor sits, and when a command arrives
+    # where the pressure sensor sits, when a command arrives, and what is too quick to be followed
     "subsystems/gas/arrived_commands.py": {"valve_lag"},
-    "subsystems/gas/prediction.py": {"line_restriction", "valve_hysteresis", "valve_lag"},
+    "subsystems/gas/prediction.py": {"exhaust_back_pressure", "line_restriction", "valve_hysteresis", "valve_lag"},
     "subsystems/gas/hose_step.py": {"line_restriction", "valve_lag"},
     # the leak that every cylinder has
     "subsystems/healthy_leak.py": {"external_leakage"},

@@ -13,7 +13,6 @@ from exo_sim.physics.balances import rates
 from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.conditions import Motion
 from exo_sim.physics.effects import (
-    end_cushioning,
     spool_rate_limit,
     supply_droop,
     supply_regulator,
@@ -104,24 +103,6 @@ def widest(c, here: float, there: float) -> float:
 
 
 @inlined_kernel
-def until_cushions(cylinders, x, end, left) -> float:
-    """Return when a piston next comes to or leaves a cushion [s], at most `left`.
-
-    There the area of a path jumps: a step across it is off in proportion to its length, and by how much turns on where its stages fall.
-
-    Args:
-        x, end: Piston positions now and when `left` is over, shape (n,).
-    """
-    soonest = left
-    for i in range(len(cylinders)):
-        c = cylinders[i]
-        if c.end_cushioning.length > 0.0 and end[i] != x[i]:
-            begins = end_cushioning.reached(c.end_cushioning, x[i], end[i], c.stroke)
-            soonest = min(soonest, begins * left)
-    return soonest
-
-
-@inlined_kernel
 def advance(world, cylinders, state, x0, x1, command, dt, work, scratch, books):
     """Move the whole pneumatic state on by `dt` seconds; return False where the gas is too fast to be followed, and stop there.
 
@@ -176,7 +157,6 @@ def advance(world, cylinders, state, x0, x1, command, dt, work, scratch, books):
                 spool[3 * n + i] = widest(cylinders[i], memory[i * REMEMBERED + TANK_SPOOL_2], command[3 * n + i])
         held, faster = memory[shared_memory + HELD], memory[shared_memory + FASTER]
         h, stages = step_length(world, cylinders, y, held, start, end, spool, left, dt / most, faster)
-        h = min(h, until_cushions(cylinders, start, end, left))
         for i in range(n):
             place = i * REMEMBERED
             spool[i] = move_spool(cylinders[i], memory, place + SPOOL, place + SPOOL_SPEED, command[i], h)

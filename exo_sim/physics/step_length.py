@@ -215,6 +215,24 @@ def fastest_friction(world, cylinders, y, x, end):
 
 
 @inlined_kernel
+def until_cushions(cylinders, x, end, left) -> float:
+    """Return when a piston next comes to or leaves a cushion [s], at most `left`.
+
+    There the area of a path jumps: a step across it is off in proportion to its length, and by how much turns on where its stages fall.
+
+    Args:
+        x, end: Piston positions now and when `left` is over, shape (n,).
+    """
+    soonest = left
+    for i in range(len(cylinders)):
+        c = cylinders[i]
+        if c.end_cushioning.length > 0.0 and end[i] != x[i]:
+            begins = end_cushioning.reached(c.end_cushioning, x[i], end[i], c.stroke)
+            soonest = min(soonest, begins * left)
+    return soonest
+
+
+@inlined_kernel
 def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest: float, faster: float) -> tuple[float, int]:
     """Return how long the next step may be [s], from `shortest` to `left`, and how many stages keep it stable; or `CLASSIC` for these.
 
@@ -226,6 +244,7 @@ def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest:
     supply, exhaust = supply_state(world, y, shared, held), exhaust_state(world, y, shared)
     span = min(left, world.longest_step if world.longest_step > 0.0 else LONGEST_STEP)
     gas = hot_gas(world.k, world.r)
+    until = until_cushions(cylinders, x, end, left)
     change = fastest_change(world, cylinders, y, supply, exhaust, x, end, spool, left, gas)
     if change * span > CHANGE:
         span = max(CHANGE / change, shortest)
@@ -239,7 +258,7 @@ def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest:
             classic = CLASSIC_REACH / stiff
         turned = min(span, _TURN / wave)
         if classic >= shortest and CLASSIC_STAGES * turned < enough_stages(fastest * turned) * classic:
-            return left / max(math.ceil(left / classic - 1e-9), 1), CLASSIC
+            return min(left / max(math.ceil(left / classic - 1e-9), 1), until), CLASSIC
         span = min(span, max(turned, shortest))
     h = left / max(math.ceil(left / span - 1e-9), 1)
     if not fastest * h <= REACH[MOST_STAGES]:
@@ -247,4 +266,4 @@ def step_length(world, cylinders, y, held, x, end, spool, left: float, shortest:
         if not pieces < left / shortest:  # also what is not a number any more
             pieces = left / shortest
         h = left / max(math.ceil(pieces), 1)
-    return h, enough_stages(fastest * h)
+    return min(h, until), enough_stages(fastest * h)

@@ -31,13 +31,17 @@ def with_further_forms(
         now, fits, comparisons, proposals: Of the search.
         instead: Whether another effect would take the place of one of them: then they are asked though nothing is left.
     """
+
+    def is_over(now: FittedModel) -> bool:
+        return (comparisons.is_clean(now) and not instead) or fits.is_spent()
+
     for candidate in now.candidates:
-        if (comparisons.is_clean(now) and not instead) or fits.is_spent():
+        if is_over(now):
             break
         forms = proposals.further(candidate, now)
         now = _with_best([(one, tuple(one if c is candidate else c for c in now.candidates)) for one in forms], now, fits, comparisons)
     for law in proposals.laws(now):
-        if (comparisons.is_clean(now) and not instead) or fits.is_spent():
+        if is_over(now):
             break
         now = _with_best([(law, (*now.candidates, law))], now, fits, comparisons)
     return now

@@ -223,8 +223,8 @@ class _Growth:
             if richer is now:
                 break
             is_law_alone = set(now.candidates) <= set(richer.candidates) and self.joint.is_within_bound(now)
-            now = self.fits.refined(richer)
-            now = now if is_law_alone else self._completed(now)
+            refined = self.fits.refined(richer)
+            now = refined if is_law_alone else self._completed(refined)
         return now
 
     def _swapped(self, best: FittedModel) -> SearchResult:

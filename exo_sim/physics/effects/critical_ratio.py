@@ -46,6 +46,10 @@ EFFECT = Effect(
     ),
 )
 
+#: The ratio of a leak, before any data: mean and standard deviation, and where they are from.
+KNOWN_OF_LEAKS = (0.35, 0.1)
+OF_LEAKS = "ISO 6358 b: 0.5 of a short sharp hole, 0.2 of several throttles in series (labyrinths, scored lips)"
+
 #: What is left to subsonic flow at least, of the range of pressure ratios.
 _SUBSONIC = 0.02
 
@@ -71,6 +75,19 @@ def ellipse(x: float, ratio: float) -> float:
     y = (min(x, knee) - ratio) / (1.0 - ratio)
     share = math.sqrt(1.0 - y * y)
     return share if x < knee else share * max(1.0 - x, 0.0) / (1.0 - knee)
+
+
+@inlined_kernel
+def path_flow(ratio: float, area: float, p_a: float, t_a: float, p_b: float, t_b: float, k: float, r: float) -> float:
+    """Return the mass flow of a path that has its own critical ratio from a to b [kg/s], negative where b is upstream.
+
+    By the ellipse with the nozzle's choked capacity; a nozzle's throughout where the ratio is 0.
+    """
+    if ratio <= 0.0:
+        return nozzle.flow(area, p_a, t_a, p_b, t_b, k, r)
+    if p_a >= p_b:
+        return nozzle.choked_flow(area, p_a, t_a, k, r) * ellipse(p_b / p_a, ratio)
+    return -nozzle.choked_flow(area, p_b, t_b, k, r) * ellipse(p_a / p_b, ratio)
 
 
 @inlined_kernel

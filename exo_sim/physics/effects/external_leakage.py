@@ -5,14 +5,17 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from exo_sim.physics import nozzle
 from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.effects import critical_ratio
 from exo_sim.physics.identification import Twins
 from exo_sim.physics.settling import hot_gas, laminar_rate, path_rate
 from exo_sim.physics.terms import OUTWARD_FLOW
 
 _ORIFICE = "C = 1e-13..1e-11 m^3/(s Pa), gland to bad fitting"
 _POROUS = "printed cylinders, Zillen (PMC10907517), and worn glands"
+
+#: Where fits of an orifice's ratio begin.
+_RATIO = (critical_ratio.KNOWN_OF_LEAKS[0],)
 
 #: What drives a path from 5 bar to the atmosphere, p^2 - p_atm^2 [Pa^2].
 _DRIVING = 2.4e11
@@ -24,6 +27,12 @@ def _inertial(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
     if "inertial" in known or not paths:
         return {}
     return {**paths, "inertial": (2.0 / (max(max(values) for values in paths.values()) ** 2 * _DRIVING),)}
+
+
+def _choking(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
+    """Return the question at what ratio a known orifice chokes."""
+    areas = {name: (value,) for name, value in known.items() if name.startswith("area")}
+    return {} if "ratio" in known or not areas else {**areas, "ratio": _RATIO}
 
 
 EFFECT = Effect(
@@ -38,14 +47,21 @@ EFFECT = Effect(
         Parameter("laminar_1", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), _POROUS, required=False),
         Parameter("laminar_2", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), _POROUS, required=False),
         Parameter("inertial", "Pa^2 s^2/kg^2", 0.0, 1e28, (1e18, 1e24), _POROUS, required=False),
+        Parameter("ratio", "1", 0.02, 0.6, (0.2, 0.5), critical_ratio.OF_LEAKS, required=False),
     ),
     any_of=(("area_1",), ("area_2",), ("laminar_1",), ("laminar_2",)),
     cut="gas",
     reveals=("pressure_1", "pressure_2"),
     mistaken_for=("piston_leakage", "valve_null_leakage", "valve_edges", "wall_heat_transfer", "sensor_bias"),
     experiment="close every path at equal pressures and hold longer than five thermal time constants",
-    convention="inertial belongs to both porous paths: p^2 - p_atm^2 = w/laminar + inertial w^2.",
-    valid="the path neither opens nor closes with pressure; an area is a sharp-edged nozzle, laminar and inertial a porous path.",
+    convention=(
+        "inertial belongs to both porous paths: p^2 - p_atm^2 = w/laminar + inertial w^2; ratio is the b of ISO 6358 of both areas, choked "
+        "flow staying a nozzle's, which they are without one."
+    ),
+    valid=(
+        "the path neither opens nor closes with pressure; an area is a sharp-edged nozzle or has a ratio of its own, laminar and inertial "
+        "are a porous path."
+    ),
     signature="one chamber falls towards the atmosphere and never rests above it; the other does not rise",
     identification=Identification(
         proportional=True,
@@ -64,7 +80,10 @@ EFFECT = Effect(
             ("laminar_2", "inertial"),
             ("laminar_1", "laminar_2", "inertial"),
         ),
-        left_open=(_inertial,),
+        further={(*areas, "ratio"): {"ratio": _RATIO} for areas in (("area_1",), ("area_2",), ("area_1", "area_2"))},
+        known={"ratio": critical_ratio.KNOWN_OF_LEAKS},
+        neutral={"ratio": 0.528},
+        left_open=(_inertial, _choking),
     ),
 )
 
@@ -73,11 +92,11 @@ EFFECT = Effect(
 def outward(p, here, there, world):
     """Return the mass flow from a chamber to the atmosphere [kg/s].
 
-    An orifice, and a porous path after Forchheimer, p^2 - p_atm^2 = w/a + b w^2, signed.
+    An orifice by the law of ISO 6358, and a porous path after Forchheimer, p^2 - p_atm^2 = w/a + b w^2, signed.
     """
     area = p.area_1 if here.side == 1 else p.area_2
     laminar = p.laminar_1 if here.side == 1 else p.laminar_2
-    leaked = nozzle.flow(area, here.p, here.t, world.atmosphere, world.ambient, world.k, world.r)
+    leaked = critical_ratio.path_flow(p.ratio, area, here.p, here.t, world.atmosphere, world.ambient, world.k, world.r)
     if laminar > 0.0:
         drop = here.p * here.p - world.atmosphere * world.atmosphere
         resistance = 1.0 / laminar

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import inlined_kernel, kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 from exo_sim.physics.effects import critical_ratio
@@ -225,8 +224,4 @@ def flow(p, area: float, p_a: float, t_a: float, p_b: float, t_b: float, k: floa
 
     `area` is the throttle's as a cushion leaves it.
     """
-    if p.ratio <= 0.0:
-        return nozzle.flow(area, p_a, t_a, p_b, t_b, k, r)
-    if p_a >= p_b:
-        return nozzle.choked_flow(area, p_a, t_a, k, r) * critical_ratio.ellipse(p_b / p_a, p.ratio)
-    return -nozzle.choked_flow(area, p_b, t_b, k, r) * critical_ratio.ellipse(p_a / p_b, p.ratio)
+    return critical_ratio.path_flow(p.ratio, area, p_a, t_a, p_b, t_b, k, r)

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from exo_sim.physics import nozzle
 from exo_sim.physics.declaration import Effect, Identification, Parameter
+from exo_sim.physics.effects import critical_ratio
 from exo_sim.physics.identification import Applicability
 from exo_sim.physics.settling import hot_gas, laminar_rate, path_rate
 from exo_sim.physics.terms import ACROSS_FLOW
@@ -43,6 +43,7 @@ EFFECT = Effect(
         Parameter(
             "laminar", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), "pi D c^3/(24 mu R T l), c 1-15 um", required=False
         ),
+        Parameter("ratio", "1", 0.02, 0.6, (0.2, 0.5), critical_ratio.OF_LEAKS, required=False),
     ),
     any_of=(("area",), ("laminar",)),
     cut="gas",
@@ -50,12 +51,12 @@ EFFECT = Effect(
     mistaken_for=("valve_null_leakage", "external_leakage", "valve_edges", "wall_heat_transfer"),
     experiment="block both ports at the cylinder and hold, once with equal and once with unequal pressures",
     convention=(
-        "+ or - is by pressure; area is an orifice, laminar a gap: w = laminar (p1^2 - p2^2). In a single-"
-        "acting cylinder chamber 2 is the atmosphere."
+        "+ or - is by pressure; area is an orifice, laminar a gap: w = laminar (p1^2 - p2^2). ratio is the b of ISO 6358 of the orifice, "
+        "choked flow staying a nozzle's, which it is without one. In a single-acting cylinder chamber 2 is the atmosphere."
     ),
     valid=(
-        "the path neither opens nor closes with pressure, place or direction; an area is a sharp-edged nozzle, laminar a gap "
-        "without inertia."
+        "the path neither opens nor closes with pressure, place or direction; an area is a sharp-edged nozzle or has a ratio of its own, "
+        "laminar a gap without inertia."
     ),
     signature="closed chambers converge; nothing happens at equal pressures",
     # where chamber 2 is the atmosphere it is an external one
@@ -64,6 +65,10 @@ EFFECT = Effect(
         leaks=1.0,
         forms=(("area",), ("laminar",)),
         open_by={"area": (1.0, 1.2)},  # both chambers are near each other, where a way with a critical ratio of 0.3 passes 17 % less
+        closed_by="ratio",
+        further={("area", "ratio"): {"ratio": (critical_ratio.KNOWN_OF_LEAKS[0],)}},
+        known={"ratio": critical_ratio.KNOWN_OF_LEAKS},
+        neutral={"ratio": 0.528},
         left_open=(_by_both_laws,),
         applicability=Applicability(two_chambers=True),
     ),
@@ -73,7 +78,8 @@ EFFECT = Effect(
 @ACROSS_FLOW.of(EFFECT)
 def across(p, one, two, world):
     """Return the mass flow from chamber 1 to 2 [kg/s]: an orifice, a laminar gap w = a (p1^2 - p2^2), or both."""
-    return nozzle.flow(p.area, one.p, one.t, two.p, two.t, world.k, world.r) + p.laminar * (one.p * one.p - two.p * two.p)
+    orifice = critical_ratio.path_flow(p.ratio, p.area, one.p, one.t, two.p, two.t, world.k, world.r)
+    return orifice + p.laminar * (one.p * one.p - two.p * two.p)
 
 
 @ACROSS_FLOW.settling(EFFECT)

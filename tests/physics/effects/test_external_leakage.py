@@ -40,3 +40,15 @@ def test_porous_path_obeys_its_law_in_both_directions() -> None:
         w = external_leakage.outward(p, here, here, world)
         assert w / 2.3e-17 + 4e18 * w * abs(w) == pytest.approx(pressure**2 - PA**2, rel=1e-12)
         assert external_leakage.outward(p, here._replace(side=2), here, world) == 0.0
+
+
+@pytest.mark.parametrize("b", [0.2, 0.45])
+def test_an_orifice_with_a_ratio_of_its_own_follows_iso_6358(b: float) -> None:
+    """Choked it passes what a nozzle does; above its ratio the ellipse (ISO 6358:1989, eq. 3)."""
+    p, world = paper_cylinder(0.032, 0.012, 0.1, 5e-6)["external_leakage"][0], paper_world()[0]
+    p["area_1"], p["ratio"] = 3e-8, b
+    for pressure in (0.9 * PA / b, PA / b, 2.0 * PA, 1.3 * PA, 1.05 * PA):
+        here = Chamber(1, pressure, 293.15, 1e-4, 293.15, 8e-4, 0.05, 0.0, 0.05, 0.0, 8e-4, 0.1)
+        choked = 0.6847314563772704 * 3e-8 * pressure / math.sqrt(R * 293.15)  # sqrt(k) (2/(k + 1))^((k + 1)/(2 (k - 1))), k = 1.4
+        beyond = max(PA / pressure - b, 0.0) / (1.0 - b)
+        assert external_leakage.outward(p, here, here, world) == pytest.approx(choked * math.sqrt(1.0 - beyond**2), rel=1e-9)

@@ -21,6 +21,7 @@ from exo_sim.diagnosis.policy.healthy import ZERO_MODEL
 from exo_sim.diagnosis.policy.off_nominal import MODEL_SHARE
 from exo_sim.diagnosis.selection.fitted_model import FittedModel
 from exo_sim.diagnosis.selection.model_fits import ModelFits
+from exo_sim.physics.declaration import identification_of
 
 Array = NDArray[np.float64]
 
@@ -85,8 +86,8 @@ def error_of_model(parameter: FreeParameter, structural: float) -> float:
     """
     if parameter.effect == ZERO:
         return ZERO_MODEL * structural
-    is_share = parameter.unit == "1" and not parameter.nonsmooth  # of an area; a place on the command's scale is no flow
-    return float(MODEL_SHARE) if is_share else 0.0
+    _, shares = identification_of(parameter.effect).multiplies  # of an area; a place on the command's scale is no flow
+    return float(MODEL_SHARE) if parameter.parameter in shares else 0.0
 
 
 def _gain(offset: Array, spread: Array) -> float:

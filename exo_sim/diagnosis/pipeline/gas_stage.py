@@ -24,6 +24,7 @@ from exo_sim.diagnosis.estimation.threads import SERIAL, Threads
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, standard_errors
 from exo_sim.diagnosis.pipeline.command_reading import as_sampled, read_as_sampled
 from exo_sim.diagnosis.pipeline.plan import Plan, Progress
+from exo_sim.diagnosis.policy.acceptance import SHARE_OF_THE_REST
 from exo_sim.diagnosis.policy.budgets import FELT_TOLERANCE, FEW_SAMPLES, FORCES_UNTIL, GAS_UNTIL, LEAST_LATER, MOST_EFFORT
 from exo_sim.diagnosis.policy.priors import INITIAL_WARMTH, ROOM_WARM
 from exo_sim.diagnosis.policy.recordings import FEWEST_ROWS, HELD_AT_FIRST, HELD_IN_THE_END, REVERSED
@@ -240,7 +241,10 @@ def _searched(
         practical_significance=model.practical_significance,
         stopping=StoppingCriteria(soft, plan.budget.is_spent, allowed.is_used_up), start=replace(begun, first=first),
     )  # fmt: skip
-    end, fits = relieved(search.run(), search.fits, search.proposals, model, plan.split)
+    found = search.run()
+    end, fits = relieved(found, search.fits, search.proposals, model, plan.split)
+    if end.final.fit.sse < SHARE_OF_THE_REST * found.final.fit.sse:  # what was hidden may show
+        end = search.shown_beside(end, fits)
     return decide(model.where, model, fits, end, plan.split)
 
 

@@ -38,13 +38,20 @@ def with_further_forms(
     for candidate in now.candidates:
         if is_over(now):
             break
-        forms = proposals.further(candidate, now)
-        now = _with_best([(one, tuple(one if c is candidate else c for c in now.candidates)) for one in forms], now, fits, comparisons)
+        now = in_further_form(candidate, now, fits, comparisons, proposals)
     for law in proposals.laws(now):
         if is_over(now):
             break
         now = _with_best([(law, (*now.candidates, law))], now, fits, comparisons)
     return now
+
+
+def in_further_form(
+    candidate: Candidate, now: FittedModel, fits: ModelFits, comparisons: Comparisons, proposals: Proposals
+) -> FittedModel:  # fmt: skip
+    """Return a model with one of its findings in the further form that the data support; itself where they support none."""
+    forms = proposals.further(candidate, now)
+    return _with_best([(one, tuple(one if c is candidate else c for c in now.candidates)) for one in forms], now, fits, comparisons)
 
 
 def _with_best(

@@ -28,6 +28,7 @@ from exo_sim.diagnosis.policy.off_nominal import FAR_FROM_STRAINED, WORTH, WRONG
 from exo_sim.diagnosis.policy.verdicts import AS_GOOD, STRAINED
 from exo_sim.diagnosis.selection.comparisons import Comparisons
 from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult, exceeds_healthy_limit, is_at_bound
+from exo_sim.diagnosis.selection.further_forms import in_further_form
 from exo_sim.diagnosis.selection.held_numbers import Held, is_at_end, ways_to_hold
 from exo_sim.diagnosis.selection.model_fits import ModelFits
 from exo_sim.diagnosis.selection.proposals import Proposals
@@ -163,11 +164,24 @@ def _relieved_of(
     if own.effect != chosen.effect and by_itself < 0.0:
         alike = dict.fromkeys(one.candidates[-1].effect for one in (best, *others) if -by_itself < AS_GOOD)
         return replace(search, stands_for={**search.stands_for, (own.effect, own.where): tuple(alike)}), fits
+    best = _gone_on(best, bounded, comparisons, proposals)
+    chosen = best.candidates[-1]
     losses = [(one.candidates[-1], max(_worse(one, best, one.candidates[-1], chosen, comparisons), 0.0)) for one in others]
     losses += [(own, by_itself)] if own.effect != chosen.effect else []
     evidence = {**search.evidence, chosen.key: comparisons.evidence(held, best)}
     rivals = {**search.rivals, chosen.key: _sorted((c, worse) for c, worse in losses if c.at != chosen.at)}
     return replace(search, final=best, evidence=evidence, rivals=rivals), bounded
+
+
+def _gone_on(best: FittedModel, bounded: ModelFits, comparisons: Comparisons, proposals: Proposals) -> FittedModel:
+    """Return a model with its last finding in the form in which its law goes on, where something is left and the data support one.
+
+    The search could not ask: there it was numbers that healthy machines have.
+    """
+    if comparisons.is_clean(best):
+        return best
+    further = in_further_form(best.candidates[-1], best, bounded, comparisons, proposals)
+    return best if further is best else bounded.refined(further)
 
 
 def _held(

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from exo_sim.diagnosis.estimation.budget import IsSpent, never
 from exo_sim.diagnosis.estimation.candidate import Candidate, drop_orphans
@@ -97,7 +97,7 @@ class Search:
     ):
         self.fits = ModelFits(model, nuisances, threads, cheap, stopping.is_spent)
         self.proposals = Proposals(self.fits, candidates, practical_significance)
-        self._practical_significance, self._stopping, self._start = practical_significance, stopping, start
+        self._candidates, self._practical_significance, self._stopping, self._start = candidates, practical_significance, stopping, start
         self._report = progress or (lambda words: None)
 
     def run(self) -> SearchResult:
@@ -110,6 +110,17 @@ class Search:
         baseline = self.fits.refined(self.fits.fit((), near))
         comparisons = Comparisons(self.fits, baseline, len(self.proposals.candidates), self._practical_significance)
         return _Growth(self.fits, comparisons, self.proposals, self._report, self._stopping).run(self._start)
+
+    def shown_beside(self, found: SearchResult, fits: ModelFits) -> SearchResult:
+        """Return a result with what shows beside its model, where something is left.
+
+        Args:
+            found: Of this search, its model changed since.
+            fits: The fits that the model belongs to.
+        """
+        proposals = Proposals(fits, self._candidates, self._practical_significance)
+        comparisons = Comparisons(fits, found.baseline, len(proposals.candidates), self._practical_significance)
+        return _Growth(fits, comparisons, proposals, self._report, self._stopping).shown_beside(found)
 
 
 class _Growth:
@@ -170,6 +181,16 @@ class _Growth:
             if not self.comparisons.is_clean(best):
                 beam += [model for model in self.comparisons.ranked(grown) if model.named not in (best.named, leader.named)][: BEAM - 1]
         return self._swapped(self._gone_on(self._nearer(self._completed(best), together)))
+
+    def shown_beside(self, found: SearchResult) -> SearchResult:
+        """Return a result with what shows beside its model, one after the other; what stands in it stays in its form."""
+        best = found.final
+        for _ in range(MOST_FURTHER):
+            grown = [] if self.comparisons.is_clean(best) or self._is_over() else self._grown([best])
+            if not grown:
+                break
+            best = self._leader(grown)
+        return found if best is found.final else replace(self._assessed(best), stands_for=found.stands_for)
 
     def _nearer(self, best: FittedModel, together: Together | None) -> FittedModel:
         """Return what was found together where that explains more than what was found one at a time: one hides the other there.

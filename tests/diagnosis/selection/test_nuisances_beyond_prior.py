@@ -236,3 +236,17 @@ def test_what_is_healthy_however_it_is_shared_is_not_asked_as_an_effect() -> Non
     _, bounded, _, held = _held(parts, pressed, fits, {("valve_lag", "piston", "1"): 3.0})
     assert sum(held.fit.values.values()) <= 3.0 + 1e-9
     assert bounded.deficit(held, search.final) < 1.0
+
+
+@pytest.mark.parametrize(("quick", "form"), [(2.0, "slow+quick"), (0.0, "slow")], ids=["goes on", "ends there"])
+def test_what_numbers_gave_way_to_is_asked_how_its_law_goes_on(quick: float, form: str) -> None:
+    """Machine m09 of the thirteenth stranger: of a slow spool, free as a healthy one's lag, the search could not ask for its inertia."""
+    lag = replace(waves.parameter("valve_lag", "slow", prior=(0.0, 1.0)), low=0.0, high=3.0)
+    own = waves.candidate("valve_lag", "slow")
+    richer = replace(waves.candidate("valve_lag", "slow", "quick"), further=frozenset({"valve_lag.quick"}))
+    model = Volume(shapes=SHAPES, slow=4.5, quick=quick)
+    search, fits, proposals = ended(model, own, richer, volume=lag)
+    found, _ = relieved(search, fits, proposals, model, KEPT)
+    (named,) = found.final.candidates
+    assert named.form == form and set(found.evidence) == {named.key}
+    assert found.final.fit.values[named.parameters[-1]] == pytest.approx(quick or 4.5, abs=0.2)

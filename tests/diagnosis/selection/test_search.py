@@ -14,7 +14,7 @@ from diagnosis.waves import AT, BASE, ON_TOP, OTHER, SHAPES, Waves, candidate
 from exo_sim.diagnosis.estimation.candidate import Candidate
 from exo_sim.diagnosis.estimation.parameters import FreeParameter, PlantParameters, Target
 from exo_sim.diagnosis.estimation.threads import Threads
-from exo_sim.diagnosis.selection.fitted_model import FittedModel
+from exo_sim.diagnosis.selection.fitted_model import FittedModel, SearchResult
 from exo_sim.diagnosis.selection.joint_search import JointSearch, Together
 from exo_sim.diagnosis.selection.proposals import Proposals
 from exo_sim.diagnosis.selection.search import Search, StoppingCriteria, WarmStart
@@ -262,3 +262,17 @@ def test_a_search_that_begins_with_what_other_rows_showed_keeps_of_it_what_its_o
     assert {c.effect for c in begun.final.candidates} == {"base", "on_top"}
     assert begun.baseline.candidates == () and set(begun.evidence) == {BASE.key, ON_TOP.key}
     assert Search(Waves(), (), (BASE, OTHER), start=WarmStart(begun=before)).run().final.candidates == ()
+
+
+@pytest.mark.parametrize(("sizes", "names"), [({"quicker": 4.0}, ["base", "other"]), ({"quicker": 0.0}, ["base"])], ids=["more", "nothing"])
+def test_beside_a_model_that_changed_since_what_shows_is_found_and_what_stands_keeps_its_form(
+    sizes: dict[str, float], names: list[str]
+) -> None:
+    """A plainer form of the standing effect would explain nearly as much: a search from the beginning takes it."""
+    fuller = candidate("base", "slow", "quick")
+    one = search(Waves(slow=9.0, quick=1.0, **sizes), False, (BASE, OTHER, fuller))
+    bare = one.fits.fit(())
+    found = SearchResult(bare, one.fits.refined(one.fits.fit((fuller,), bare)), stands_for={("dead_volume", "piston"): ("base",)})
+    more = one.shown_beside(found, one.fits)
+    assert [c.effect for c in more.final.candidates] == names and more.final.candidates[0] == fuller
+    assert more.stands_for == found.stands_for and (more is found) is (len(names) == 1)

@@ -15,7 +15,7 @@ from exo_sim.diagnosis.estimation.parameters import FreeParameter
 from exo_sim.diagnosis.estimation.uncertainty import HALF_WIDTH, bounded_interval
 from exo_sim.diagnosis.findings import Finding, Kind, Rejected
 from exo_sim.diagnosis.policy import verdicts
-from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN, STEADY_GAIN
+from exo_sim.diagnosis.policy.acceptance import BESIDE_DISCREPANCY, CLEAN, STEADY_GAIN, SURELY_MORE
 from exo_sim.diagnosis.selection.beside_curve import needed_beside_curve
 from exo_sim.diagnosis.selection.candidate_finding import (
     finding_of,
@@ -87,7 +87,7 @@ class _Decision(Generic[Model]):
         errors = self._with_form(sure, by_fit)
         spare = not unknown and not search.weighed_together
         final = without_unneeded(self.fits, sure, self.model.structural_error) if spare else sure
-        reported = tuple(c for c in named if _is_reported(c, final, errors))
+        reported = tuple(c for c in named if _is_reported(c, final, errors) and self._is_surely_there_beneath(c, final))
         laws = {q for c in named if c not in reported for q in c.parameters}
         findings = self._findings(reported, final, errors, strict)
         observed = {parameter: error for parameter, error in errors.items() if self.model.is_observed(parameter)}
@@ -155,6 +155,21 @@ class _Decision(Generic[Model]):
             return end, accepted, unknown
         final, named = self._with_larger_part(accepted)
         return final, named, named != accepted and self._remainder(final, named).is_unknown
+
+    def _is_surely_there_beneath(self, candidate: Candidate, final: FittedModel) -> bool:
+        """Return whether an effect is surely more than healthy by itself where a law adds parts to it, by the mean of them.
+
+        Four edges that differ come on top of a dead band; whether that is there beneath them their mean says.
+        """
+        for law in (c for c in final.candidates if c.is_law and c.prerequisite == candidate.effect):
+            own, parts = identification_of(law.effect).common
+            added = [q for q in law.parameters if q.parameter in parts]
+            for q in (q for q in candidate.parameters if q.parameter == own and added):
+                weights = {q: 1.0, **dict.fromkeys(added, 1.0 / len(added))}
+                mean = sum(weight * final.fit.values[one] for one, weight in weights.items())
+                if abs(mean - q.neutral) - SURELY_MORE * self.fits.error_of_sum(final, weights) <= q.healthy_limit:
+                    return False
+        return True
 
     def _rejected(self, accepted: Sequence[Candidate], strict: bool) -> list[Rejected]:
         search = self.search

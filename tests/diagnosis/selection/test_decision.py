@@ -227,3 +227,22 @@ def test_a_leak_is_named_where_its_interval_lies_beyond_what_healthy_seals_lose(
     leak, fits = replace(one, parameters=(replace(parameter, healthy_limit=limit),)), ModelFits(model, ())
     result = decide("piston", model, fits, SearchResult(bare, fits.refined(fits.fit((leak,), bare)), weighed_together=True))
     assert [finding.name for finding in result.findings] == (["piston_leakage"] if named else [])
+
+
+@pytest.mark.parametrize(("width", "named"), [(6.0, ["valve_deadband", "valve_edges"]), (2.05, ["valve_edges"]), (0.0, ["valve_edges"])])
+def test_a_dead_band_beneath_edges_that_differ_is_named_where_their_mean_is_surely_one(width: float, named: list[str]) -> None:
+    """A healthy one has up to 2. How much of an edge is its own nothing tells; the mean of all is known to 0.05."""
+    at, differ = np.repeat(np.arange(4), 100), {"supply_1": 5.0, "exhaust_1": -5.0, "supply_2": 4.0, "exhaust_2": -4.0}
+    shapes = {f"overlap_{edge}": np.where(at == k, 1.0, 0.0) for k, edge in enumerate(differ)} | {"width": np.ones(400)}
+    sizes = {f"overlap_{edge}": size for edge, size in differ.items()} | {"width": width}
+
+    def number(effect: str, name: str, most: float) -> FreeParameter:
+        return FreeParameter(effect, "piston", name, "1", Target.SENSOR, 1.0, -10.0, 10.0, (0.0, 5.0), healthy_limit=most)
+
+    band = Candidate("valve_deadband", "piston", "width", (number("valve_deadband", "width", 2.0),), ((1.0,),))
+    overlaps = tuple(number("valve_edges", name, 3.0) for name in shapes if name != "width")
+    edges = Candidate("valve_edges", "piston", "overlaps", overlaps, ((0.1,) * 4,), prerequisite="valve_deadband", is_law=True)
+    model = waves.Waves(shapes=shapes, **sizes)
+    fits = ModelFits(model, ())
+    found = decide("piston", model, fits, SearchResult(fits.fit(()), fits.refined(fits.fit((band, edges)))))
+    assert sorted(finding.name for finding in found.findings) == named

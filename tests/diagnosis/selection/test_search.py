@@ -264,13 +264,13 @@ def test_a_search_that_begins_with_what_other_rows_showed_keeps_of_it_what_its_o
     assert Search(Waves(), (), (BASE, OTHER), start=WarmStart(begun=before)).run().final.candidates == ()
 
 
-@pytest.mark.parametrize(("sizes", "names"), [({"quicker": 4.0}, ["base", "other"]), ({"quicker": 0.0}, ["base"])], ids=["more", "nothing"])
+@pytest.mark.parametrize(("quicker", "names"), [(4.0, ["base", "other"]), (0.0, ["base"])], ids=["more", "nothing"])
 def test_beside_a_model_that_changed_since_what_shows_is_found_and_what_stands_keeps_its_form(
-    sizes: dict[str, float], names: list[str]
+    quicker: float, names: list[str]
 ) -> None:
     """A plainer form of the standing effect would explain nearly as much: a search from the beginning takes it."""
     fuller = candidate("base", "slow", "quick")
-    one = search(Waves(slow=9.0, quick=1.0, **sizes), False, (BASE, OTHER, fuller))
+    one = search(Waves(slow=9.0, quick=1.0, quicker=quicker), False, (BASE, OTHER, fuller))
     bare = one.fits.fit(())
     found = SearchResult(bare, one.fits.refined(one.fits.fit((fuller,), bare)), stands_for={("dead_volume", "piston"): ("base",)})
     more = one.shown_beside(found, one.fits)

@@ -46,9 +46,9 @@ EFFECT = Effect(
     ),
 )
 
-#: The ratio of a leak, before any data: mean and standard deviation, and where they are from.
-KNOWN_OF_LEAKS = (0.35, 0.1)
-OF_LEAKS = "ISO 6358 b: 0.5 of a short sharp hole, 0.2 of several throttles in series (labyrinths, scored lips)"
+#: The ratio of leaks and silencers, before any data: mean and standard deviation, and where they are from.
+KNOWN_OF_OTHER_PATHS = (0.35, 0.1)
+OF_OTHER_PATHS = "ISO 6358 b: 0.5 of a short sharp hole, 0.2 of several throttles in series (labyrinths, scored lips, sinter)"
 
 #: What is left to subsonic flow at least, of the range of pressure ratios.
 _SUBSONIC = 0.02

@@ -14,6 +14,7 @@ ROOT = Path(exo_sim.diagnosis.__file__).parent
 ABOUT = {
     # errors of sensors: what a balance calls a zero, a gain or a delay, and a sensor that health or a sign found wrong
     "data/command_sign.py": {"sensor_scale"},
+    "outcome/constant_force.py": {"asymmetric_friction", "coulomb_friction"},
     "outcome/rig_update.py": {"sensor_bias", "unknown"},
     "outcome/sensor_entries.py": {"sensor_bias", "sensor_delay", "sensor_scale"},
     "outcome/small_findings.py": {"sensor_bias"},

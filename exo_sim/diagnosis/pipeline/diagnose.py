@@ -13,6 +13,7 @@ from exo_sim.diagnosis.data.machine_data import MachineData
 from exo_sim.diagnosis.estimation.budget import Budget
 from exo_sim.diagnosis.estimation.threads import Threads
 from exo_sim.diagnosis.findings import Finding, Rejected, SignalFit, in_order
+from exo_sim.diagnosis.outcome.constant_force import with_constant_force
 from exo_sim.diagnosis.outcome.finding_probability import confidence
 from exo_sim.diagnosis.outcome.localisation import located, unexplained
 from exo_sim.diagnosis.outcome.rig_update import rig_update
@@ -28,7 +29,7 @@ from exo_sim.diagnosis.pipeline.motion_stage import undecided
 from exo_sim.diagnosis.pipeline.plan import Examination, Progress
 from exo_sim.diagnosis.pipeline.rate_questions import hidden_by_rate
 from exo_sim.diagnosis.pipeline.reading import gather
-from exo_sim.diagnosis.pipeline.rig_acceptance import accepted
+from exo_sim.diagnosis.pipeline.rig_acceptance import accepted, likelier
 from exo_sim.diagnosis.pipeline.rounds import examine_until_stable, with_test_findings, without_doubtful, without_small
 from exo_sim.diagnosis.pipeline.shared_supply import with_supply_put_right
 from exo_sim.diagnosis.policy.budgets import MOST_REJECTED
@@ -99,6 +100,7 @@ def _reported(stable: Examination, allowed: Budget, report: Progress, folder: Pa
     data, results, test, split = found.data, found.results, found.test, found.plan.split
     report("writing the rig anew")
     update = rig_update(data, results.all, found.unknown)
+    update = likelier(data, update, with_constant_force(update, results.motion), split, allowed.is_spent)
     report("fitting its numbers to the whole machine")
     return_freed()
     fitted = fitted_to_machine(data, update, split, threads, allowed.is_spent)

@@ -139,6 +139,19 @@ def accepted(
     return best, (*(_REFUSED.format(why) for why in refusals[:1]), *(words for words, is_so in said if is_so), *unsayable, *chance)
 
 
+def likelier(data: MachineData, update: RigUpdate, other: RigUpdate, split: Split, is_spent: IsSpent = never) -> RigUpdate:
+    """Return which of two updates predicts the whole machine better over the time that decides, the first where they are alike.
+
+    Args:
+        data, split, is_spent: As of `accepted`.
+        update, other: The same thing said in two ways.
+    """
+    if other == update or is_spent():
+        return update
+    judge = Judge(data, split.deciding())
+    return better_of(judge.trial(update), judge.trial(other)).update
+
+
 def better_of(one: Trial, other: Trial) -> Trial:
     """Return the trial that is not worse than the rig handed in, of two alike the one whose whole machine is predicted better."""
     return min(one, other, key=lambda trial: (trial.is_worse, trial.loss_of_machine))

@@ -17,7 +17,7 @@ from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
 from exo_sim.diagnosis.pipeline import rig_acceptance, rig_errors
 from exo_sim.diagnosis.pipeline.reading import gather
-from exo_sim.diagnosis.pipeline.rig_acceptance import Judge, accepted, as_far_as_it_wins, closed_gas
+from exo_sim.diagnosis.pipeline.rig_acceptance import Judge, accepted, likelier, as_far_as_it_wins, closed_gas
 from exo_sim.diagnosis.pipeline.rig_trial import Trial
 from exo_sim.diagnosis.policy.validation import STARTS
 from exo_sim.diagnosis.validation import recorded_run
@@ -271,3 +271,14 @@ def test_where_parts_of_it_lose_the_rest_is_tried_with_the_numbers_of_its_balanc
     monkeypatch.setattr(rig_acceptance, "Judge", lambda *_: SimpleNamespace(trial=trial, refusals=[]))
     kept, _ = accepted(cast(MachineData, None), plain, Split({"a": ((0.0, 1.0),)}), fitted=fitted)
     assert not kept.update.is_fitted_together and [one.source for one in kept.update.parts] == ["gas"]
+
+
+@pytest.mark.parametrize(("size", "first"), [(1.35e-8, False), (3.6e-8, True)], ids=["better", "worse"])
+def test_of_two_ways_to_say_the_same_that_stays_which_predicts_the_whole_machine_better(
+    leaking: MachineData, size: float, first: bool
+) -> None:
+    """A leak as it is, or nearly three times as large, against one of a fifth."""
+    less, other = leak(leaking, 3e-9), leak(leaking, size)
+    split = Split({leaking.recordings[0].name: ((8.0, 10.0),)})
+    assert likelier(leaking, less, other, split) is (less if first else other)
+    assert likelier(leaking, less, other, split, lambda: True) is less and likelier(leaking, less, less, split) is less

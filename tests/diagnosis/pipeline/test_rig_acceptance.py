@@ -17,7 +17,7 @@ from exo_sim.diagnosis.findings import SignalFit
 from exo_sim.diagnosis.outcome.rig_update import Part, Rank, RigUpdate
 from exo_sim.diagnosis.pipeline import rig_acceptance, rig_errors
 from exo_sim.diagnosis.pipeline.reading import gather
-from exo_sim.diagnosis.pipeline.rig_acceptance import Judge, accepted, likelier, as_far_as_it_wins, closed_gas
+from exo_sim.diagnosis.pipeline.rig_acceptance import Judge, accepted, as_far_as_it_wins, closed_gas, likelier
 from exo_sim.diagnosis.pipeline.rig_trial import Trial
 from exo_sim.diagnosis.policy.validation import STARTS
 from exo_sim.diagnosis.validation import recorded_run

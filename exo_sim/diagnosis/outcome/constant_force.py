@@ -6,6 +6,7 @@ either direction, and whoever uses the rig runs the whole machine.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -36,7 +37,8 @@ def with_constant_force(update: RigUpdate, results: Sequence[SubsystemResult[Mot
         alike = {finding.where for finding in one.findings if finding.name == _ONE and _TWO in finding.ambiguous_with}
         places = {where for where in alike if update.rig.effect(_ONE, where) is None} if offset and not one.model.is_of_joint else set()
         if places:
-            pushed = offset / float(np.median(one.model.runs[0].drive.arm))
+            drive = one.model.runs[0].drive
+            pushed = offset / math.copysign(drive.usual_arm, float(np.median(drive.arm)))
             parts = (replace(part, entries=tuple(_pushed(entry, places, pushed) for entry in part.entries)) for part in update.parts)
             update = replace(update, parts=tuple(parts))
     return update

@@ -29,12 +29,6 @@ def _inertial(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
     return {**paths, "inertial": (2.0 / (max(max(values) for values in paths.values()) ** 2 * _DRIVING),)}
 
 
-def _choking(known: Mapping[str, float]) -> dict[str, tuple[float, ...]]:
-    """Return the question at what ratio a known orifice chokes."""
-    areas = {name: (value,) for name, value in known.items() if name.startswith("area")}
-    return {} if "ratio" in known or not areas else {**areas, "ratio": _RATIO}
-
-
 EFFECT = Effect(
     name="external_leakage",
     places=("cylinder",),
@@ -83,7 +77,7 @@ EFFECT = Effect(
         further={(*areas, "ratio"): {"ratio": _RATIO} for areas in (("area_1",), ("area_2",), ("area_1", "area_2"))},
         known={"ratio": critical_ratio.KNOWN_OF_OTHER_PATHS},
         neutral={"ratio": 0.528},
-        left_open=(_inertial, _choking),
+        left_open=(_inertial,),
     ),
 )
 

@@ -32,11 +32,11 @@ def with_constant_force(update: RigUpdate, results: Sequence[SubsystemResult[Mot
         update: What was found.
         results: Of the balances of forces.
     """
-    for one in results:
+    for one in (one for one in results if not one.model.is_of_joint):
         offset = sum(value for q, value in one.final.fit.values.items() if q.effect == FORCE_OFFSET)
         alike = {finding.where for finding in one.findings if finding.name == _ONE and _TWO in finding.ambiguous_with}
-        places = {where for where in alike if update.rig.effect(_ONE, where) is None} if offset and not one.model.is_of_joint else set()
-        if places:
+        places = {where for where in alike if update.rig.effect(_ONE, where) is None}
+        if offset and places:
             drive = one.model.runs[0].drive
             pushed = offset / math.copysign(drive.usual_arm, float(np.median(drive.arm)))
             parts = (replace(part, entries=tuple(_pushed(entry, places, pushed) for entry in part.entries)) for part in update.parts)

@@ -164,11 +164,13 @@ class _Decision(Generic[Model]):
         for law in (c for c in final.candidates if c.is_law and c.prerequisite == candidate.effect):
             own, parts = identification_of(law.effect).common
             added = [q for q in law.parameters if q.parameter in parts]
-            for q in (q for q in candidate.parameters if q.parameter == own and added):
-                weights = {q: 1.0, **dict.fromkeys(added, 1.0 / len(added))}
-                mean = sum(weight * final.fit.values[one] for one, weight in weights.items())
-                if abs(mean - q.neutral) - SURELY_MORE * self.fits.error_of_sum(final, weights) <= q.healthy_limit:
-                    return False
+            q = next((q for q in candidate.parameters if q.parameter == own), None)
+            if q is None or not added:
+                continue
+            weights = {q: 1.0, **dict.fromkeys(added, 1.0 / len(added))}
+            mean = sum(weight * final.fit.values[one] for one, weight in weights.items())
+            if abs(mean - q.neutral) - SURELY_MORE * self.fits.error_of_sum(final, weights) <= q.healthy_limit:
+                return False
         return True
 
     def _rejected(self, accepted: Sequence[Candidate], strict: bool) -> list[Rejected]:

@@ -8,6 +8,9 @@ from exo_sim.physics import nozzle
 from exo_sim.physics.compiled import inlined_kernel
 from exo_sim.physics.declaration import Effect, Identification, Parameter
 
+#: The ellipse that stands for a nozzle.
+NOZZLE = 0.528
+
 EFFECT = Effect(
     name="critical_ratio",
     places=("cylinder",),
@@ -40,15 +43,20 @@ EFFECT = Effect(
         proportional=True,
         starts=((0.4, 0.5), (0.25, 0.5)),
         least={"ratio": 0.02},
-        neutral={"ratio": 0.528, "index": 0.5},
+        neutral={"ratio": NOZZLE, "index": 0.5},
         known={"index": (0.52, 0.04)},
         every_law=True,
     ),
 )
 
-#: The ratio of leaks and silencers, before any data: mean and standard deviation, and where they are from.
+#: The ratio of a path that is no valve's, a leak's or a silencer's; what is known of it before any data, mean and standard deviation, and
+#: where fits of it begin.
+OF_OTHER_PATHS = Parameter(
+    "ratio", "1", 0.02, 0.6, (0.2, 0.5),
+    "ISO 6358 b: 0.5 of a short sharp hole, 0.2 of several throttles in series (labyrinths, scored lips, sinter)", required=False,
+)  # fmt: skip
 KNOWN_OF_OTHER_PATHS = (0.35, 0.1)
-OF_OTHER_PATHS = "ISO 6358 b: 0.5 of a short sharp hole, 0.2 of several throttles in series (labyrinths, scored lips, sinter)"
+BEGUN_OF_OTHER_PATHS = (KNOWN_OF_OTHER_PATHS[0],)
 
 #: What is left to subsonic flow at least, of the range of pressure ratios.
 _SUBSONIC = 0.02

@@ -20,7 +20,7 @@ EFFECT = Effect(
         Parameter(
             "volume", "m^3", 1e-6, 1e-2, (5e-6, 1e-4), "manifold and silencer body", required=False, default=2e-5
         ),
-        Parameter("ratio", "1", 0.02, 0.6, (0.2, 0.5), critical_ratio.OF_OTHER_PATHS, required=False),
+        critical_ratio.OF_OTHER_PATHS,
     ),
     cut="gas",
     reveals=("pressure_1", "pressure_2", "exhaust.pressure"),
@@ -42,9 +42,9 @@ EFFECT = Effect(
         # three of three on machines of other laws were found 3, 7 and 16 % too small, by more than their intervals.
         open_by={"area": (1.0, 1.2)},
         closed_by="ratio",
-        further={("area", "ratio"): {"ratio": (critical_ratio.KNOWN_OF_OTHER_PATHS[0],)}},
+        further={("area", "ratio"): {"ratio": critical_ratio.BEGUN_OF_OTHER_PATHS}},
         known={"ratio": critical_ratio.KNOWN_OF_OTHER_PATHS},
-        neutral={"ratio": 0.528},
+        neutral={"ratio": critical_ratio.NOZZLE},
         applicability=Applicability(commanded=True),
     ),
 )

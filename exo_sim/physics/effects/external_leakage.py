@@ -14,9 +14,6 @@ from exo_sim.physics.terms import OUTWARD_FLOW
 _ORIFICE = "C = 1e-13..1e-11 m^3/(s Pa), gland to bad fitting"
 _POROUS = "printed cylinders, Zillen (PMC10907517), and worn glands"
 
-#: Where fits of an orifice's ratio begin.
-_RATIO = (critical_ratio.KNOWN_OF_OTHER_PATHS[0],)
-
 #: What drives a path from 5 bar to the atmosphere, p^2 - p_atm^2 [Pa^2].
 _DRIVING = 2.4e11
 
@@ -41,7 +38,7 @@ EFFECT = Effect(
         Parameter("laminar_1", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), _POROUS, required=False),
         Parameter("laminar_2", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), _POROUS, required=False),
         Parameter("inertial", "Pa^2 s^2/kg^2", 0.0, 1e28, (1e18, 1e24), _POROUS, required=False),
-        Parameter("ratio", "1", 0.02, 0.6, (0.2, 0.5), critical_ratio.OF_OTHER_PATHS, required=False),
+        critical_ratio.OF_OTHER_PATHS,
     ),
     any_of=(("area_1",), ("area_2",), ("laminar_1",), ("laminar_2",)),
     cut="gas",
@@ -74,9 +71,12 @@ EFFECT = Effect(
             ("laminar_2", "inertial"),
             ("laminar_1", "laminar_2", "inertial"),
         ),
-        further={(*areas, "ratio"): {"ratio": _RATIO} for areas in (("area_1",), ("area_2",), ("area_1", "area_2"))},
+        further={
+            (*areas, "ratio"): {"ratio": critical_ratio.BEGUN_OF_OTHER_PATHS}
+            for areas in (("area_1",), ("area_2",), ("area_1", "area_2"))
+        },
         known={"ratio": critical_ratio.KNOWN_OF_OTHER_PATHS},
-        neutral={"ratio": 0.528},
+        neutral={"ratio": critical_ratio.NOZZLE},
         left_open=(_inertial,),
     ),
 )

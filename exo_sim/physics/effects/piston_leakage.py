@@ -43,7 +43,7 @@ EFFECT = Effect(
         Parameter(
             "laminar", "kg/(s Pa^2)", 0.0, 1e-12, (1e-19, 1e-15), "pi D c^3/(24 mu R T l), c 1-15 um", required=False
         ),
-        Parameter("ratio", "1", 0.02, 0.6, (0.2, 0.5), critical_ratio.OF_OTHER_PATHS, required=False),
+        critical_ratio.OF_OTHER_PATHS,
     ),
     any_of=(("area",), ("laminar",)),
     cut="gas",
@@ -66,9 +66,9 @@ EFFECT = Effect(
         forms=(("area",), ("laminar",)),
         open_by={"area": (1.0, 1.2)},  # both chambers are near each other, where a way with a critical ratio of 0.3 passes 17 % less
         closed_by="ratio",
-        further={("area", "ratio"): {"ratio": (critical_ratio.KNOWN_OF_OTHER_PATHS[0],)}},
+        further={("area", "ratio"): {"ratio": critical_ratio.BEGUN_OF_OTHER_PATHS}},
         known={"ratio": critical_ratio.KNOWN_OF_OTHER_PATHS},
-        neutral={"ratio": 0.528},
+        neutral={"ratio": critical_ratio.NOZZLE},
         left_open=(_by_both_laws,),
         applicability=Applicability(two_chambers=True),
     ),

@@ -25,6 +25,8 @@ from exo_sim.rig import EffectEntry, EffectSetting
 OFFSET = FreeParameter(FORCE_OFFSET, "slide", FORCE_OFFSET, "N", Target.SENSOR, 1.0, -10.0, 10.0, (0.0, 1.0))
 DRY = EffectEntry(EffectSetting("coulomb_friction", "piston", {"force": 14.0}), {"force": (12.0, 16.0)}, "Dry friction.")
 DRAG = EffectEntry(EffectSetting("viscous_friction", "piston", {"coefficient": 40.0}), {"coefficient": (30.0, 50.0)}, "Drag.")
+
+
 @pytest.fixture
 def update(tmp_path: Path) -> RigUpdate:
     return RigUpdate(benches.bench(tmp_path), (Part("motion of slide", Rank.FOUND, (DRY, DRAG)),))
